@@ -1,0 +1,63 @@
+# The two commands a fresh machine needs are `make demo` and `make test`.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+
+.PHONY: help demo test test-all lint mutation docs bench lock clean
+help:
+	@echo "make demo      a simulated boat, the gateway, and what to connect to it"
+	@echo "make test      every check that CI runs"
+	@echo "make test-all  those, and the slow ones (a real SocketCAN bus in a virtual machine, a million mutations)"
+	@echo "make mutation  break the safety machines on purpose and see the tests notice"
+	@echo "make bench     the tables of docs/performance.md"
+	@echo "make docs      the reference pages that are made from the declarations"
+	@echo "make lock      resolve the pinned versions anew"
+
+demo: $(VENV)/run
+	$(BIN)/timonel demo
+
+test: $(VENV)/dev lint
+	scripts/debian.sh gpsd gpsd-clients
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow"
+	$(BIN)/python -m tests.mutation
+
+test-all: test
+	scripts/debian.sh qemu-system-x86 busybox-static cpio kmod
+	$(BIN)/python -m pytest -m slow --timeout 1800
+
+lint: $(VENV)/dev
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
+
+mutation: $(VENV)/dev
+	$(BIN)/python -m tests.mutation
+
+docs: $(VENV)/dev
+	$(BIN)/python scripts/make_reference.py
+
+bench: $(VENV)/dev
+	$(BIN)/python -m benchmarks.live
+
+lock: $(VENV)/dev
+	scripts/lock.sh
+
+clean:
+	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis
+
+# One environment: `run` holds what the program needs, `dev` what the tests need too.
+$(VENV)/bin/python:
+	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || scripts/debian.sh --required python3-venv
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/run: requirements.lock pyproject.toml | $(VENV)/bin/python
+	$(PIP) install --require-hashes --only-binary :all: -r requirements.lock
+	$(PIP) install --no-deps --no-build-isolation --editable .
+	touch $@
+
+$(VENV)/dev: requirements-dev.lock pyproject.toml | $(VENV)/bin/python
+	$(PIP) install --require-hashes --only-binary :all: -r requirements-dev.lock
+	$(PIP) install --no-deps --no-build-isolation --editable .
+	touch $@ $(VENV)/run

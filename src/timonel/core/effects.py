@@ -1,0 +1,59 @@
+"""What a machine asks the world to do, and what it tells the world about.
+
+A machine never acts: it returns effects and the gateway carries them out, in order. Effects are frozen and
+compare by value, so a test states them as it would say them.
+"""
+
+import msgspec
+
+from timonel.core.frame import Frame
+
+
+class Effect(msgspec.Struct, frozen=True, gc=False):
+    """Base of all effects."""
+
+
+class Say(Effect, frozen=True, gc=False):
+    """Write one line to every OUT port (or to `port` alone).
+
+    `line` ends in CR LF. `key` names what the line is about: where a port cannot keep up, a newer line replaces
+    an unsent one of the same key. An `urgent` line goes ahead of all data and is never replaced.
+    """
+
+    line: bytes
+    key: str
+    urgent: bool = False
+    port: str | None = None
+
+
+class Transmit(Effect, frozen=True, gc=False):
+    """Put one frame on the bus."""
+
+    frame: Frame
+
+
+class Event(Effect, frozen=True, gc=False):
+    """Something worth telling and recording; changes nothing outside by itself."""
+
+
+class Rejected(Event, frozen=True, gc=False):
+    """Bytes of a peer that were not understood: counted, visible in health, otherwise without effect."""
+
+    reason: str
+    data: bytes = b""
+    source: str = ""
+
+
+class Refused(Event, frozen=True, gc=False):
+    """A station that may not do something now. Ordinary traffic."""
+
+    reason: str
+    station: int = 0
+
+
+class SecurityEvent(Event, frozen=True, gc=False):
+    """Somebody claimed to be who they are not."""
+
+    reason: str
+    port: str
+    station: int = 0

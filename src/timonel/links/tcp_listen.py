@@ -1,0 +1,128 @@
+"""`tcp-listen://host:port`: a server with many readers, each with a backlog of its own.
+
+A reader that stops reading costs the others nothing, and gets the newest line of each kind when it goes on. What the
+clients say is delivered line by line, so that their lines are never mixed.
+"""
+
+import asyncio
+import errno
+import socket
+from collections.abc import Sequence
+from functools import partial
+
+from timonel.core.effects import Say
+from timonel.links.kept import Kept, text_of
+from timonel.links.lines import WholeLines
+from timonel.links.tcp import prepare
+from timonel.links.wire import Wire
+
+READERS_MAX = 256
+ACCEPT_AT_ONCE = 16
+OUT_OF_DESCRIPTORS = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
+
+
+class TcpListenLink(Kept[bytes]):
+    """A line server; connected means that it listens, and `changed` tells the number of readers."""
+
+    def __init__(self, host: str, port: int, *, url: str = "", name: str = "") -> None:
+        super().__init__(url=url, name=name)
+        self.host = host
+        self.port = port
+        self._server: socket.socket | None = None
+        self._resume: asyncio.TimerHandle | None = None
+        self._readers: dict[int, Wire] = {}
+
+    @property
+    def address(self) -> tuple[str, int] | None:
+        """Host and port where it listens (the port is the real one if 0 was asked for), None while it does not."""
+        if self._server is None:
+            return None
+        host, port = self._server.getsockname()[:2]
+        return host, port
+
+    async def _connect(self) -> None:
+        found = await self._loop.getaddrinfo(
+            self.host, self.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )
+        family, kind, protocol, _, address = found[0]
+        server = socket.socket(family, kind, protocol)
+        try:
+            server.setblocking(False)
+            server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            server.bind(address)
+            server.listen(64)
+        except OSError:
+            server.close()
+            raise
+        self._server = server
+        self._accept_on()
+
+    def _accept_on(self) -> None:
+        if self._server is not None:
+            self._loop.add_reader(self._server.fileno(), self._accept)
+
+    def _accept(self) -> None:
+        assert self._server is not None
+        for _ in range(ACCEPT_AT_ONCE):
+            try:
+                stream, _ = self._server.accept()
+            except (BlockingIOError, ConnectionAbortedError):
+                return
+            except OSError as fault:
+                self._rest(fault)
+                return
+            self._welcome(stream)
+
+    def _rest(self, fault: OSError) -> None:
+        """Without descriptors the one who knocks stays at the door and would wake us for ever: look away for a second."""
+        assert self._server is not None
+        self._tally.errors += 1
+        if fault.errno not in OUT_OF_DESCRIPTORS:
+            self._lost(text_of(fault))
+        self._loop.remove_reader(self._server.fileno())
+        self._resume = self._loop.call_later(1.0, self._accept_on)
+
+    def _welcome(self, stream: socket.socket) -> None:
+        if len(self._readers) >= READERS_MAX:
+            self._tally.rejected += 1
+            stream.close()
+            return
+        prepare(stream)
+        fd = stream.fileno()
+        self._readers[fd] = Wire(
+            fd,
+            receive=partial(self._hear, WholeLines(self._tally)),
+            lost=partial(self._leave, fd),
+            release=stream.close,
+            tally=self._tally,
+        )
+        self._tell_readers()
+
+    def _hear(self, lines: WholeLines, data: bytes) -> None:
+        if whole := lines.receive(data):
+            self._receive(whole)
+
+    def _leave(self, fd: int, _reason: str) -> None:
+        if reader := self._readers.pop(fd, None):
+            reader.close()
+            self._tell_readers()
+
+    def _tell_readers(self) -> None:
+        self._tell(True, f"readers: {len(self._readers)}" if self._readers else "")
+
+    def send(self, lines: Sequence[Say]) -> None:
+        for reader in self._readers.values():
+            reader.send(lines)
+
+    def _pending(self) -> bool:
+        return any(reader.pending for reader in self._readers.values())
+
+    async def _disconnect(self) -> None:
+        if self._resume is not None:
+            self._resume.cancel()
+        if self._server is not None:
+            self._loop.remove_reader(self._server.fileno())
+            self._server.close()
+            self._server = None
+        while self._readers:
+            self._readers.popitem()[1].close()

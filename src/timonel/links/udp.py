@@ -1,0 +1,99 @@
+"""`udp://host:port` sends datagrams there and hears that address alone; `udp://:port` hears everybody.
+
+A datagram holds whole lines, at most 1400 bytes of them; a batch goes out as one if it fits. What arrives is whole too:
+a last line without an end gets one, so that it is not joined to the next datagram. A broadcast address may be sent to.
+"""
+
+import socket
+from collections.abc import Iterator, Sequence
+
+from timonel.core.effects import Say
+from timonel.links.kept import Kept
+
+DATAGRAM_MAX = 1400  # below every common path MTU
+LONGEST = 65536
+
+
+def datagrams(lines: Sequence[Say]) -> Iterator[tuple[bytes, int]]:
+    """`lines` packed in order into datagrams of at most 1400 bytes, each with the number of its lines."""
+    data, count = b"", 0
+    for say in lines:
+        if data and len(data) + len(say.line) > DATAGRAM_MAX:
+            yield data, count
+            data, count = b"", 0
+        data += say.line
+        count += 1
+    if data:
+        yield data, count
+
+
+class UdpLink(Kept[bytes]):
+    """A datagram socket; without a `host` it only listens on `port`, and what is sent to it is dropped."""
+
+    def __init__(self, host: str | None, port: int, *, url: str = "", name: str = "") -> None:
+        super().__init__(url=url, name=name)
+        self.host = host
+        self.port = port
+        self._socket: socket.socket | None = None
+
+    @property
+    def address(self) -> tuple[str, int] | None:
+        """Our own host and port, None while it is not open."""
+        if self._socket is None:
+            return None
+        host, port = self._socket.getsockname()[:2]
+        return host, port
+
+    async def _connect(self) -> None:
+        found = await self._loop.getaddrinfo(
+            self.host, self.port, type=socket.SOCK_DGRAM, flags=0 if self.host else socket.AI_PASSIVE
+        )
+        family, kind, protocol, _, address = found[0]
+        datagram = socket.socket(family, kind, protocol)
+        try:
+            datagram.setblocking(False)
+            datagram.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+            if self.host:
+                datagram.connect(address)
+            else:
+                datagram.bind(address)
+        except OSError:
+            datagram.close()
+            raise
+        self._socket = datagram
+        self._loop.add_reader(datagram.fileno(), self._readable)
+
+    def _readable(self) -> None:
+        assert self._socket is not None
+        try:
+            data = self._socket.recv(LONGEST)
+        except BlockingIOError:
+            return
+        except OSError:  # nobody listened to what we sent
+            self._tally.errors += 1
+            return
+        if data:
+            self._tally.bytes_in += len(data)
+            self._receive(data if data.endswith(b"\n") else data + b"\r\n")
+
+    def send(self, lines: Sequence[Say]) -> None:
+        if self._socket is None or not self.host:
+            self._tally.dropped += len(lines)
+            return
+        for data, count in datagrams(lines):
+            self._send_one(self._socket, data, count)
+
+    def _send_one(self, datagram: socket.socket, data: bytes, count: int) -> None:
+        try:
+            self._tally.bytes_out += datagram.send(data)
+        except BlockingIOError:
+            self._tally.dropped += count
+        except OSError:
+            self._tally.errors += 1
+            self._tally.dropped += count
+
+    async def _disconnect(self) -> None:
+        datagram, self._socket = self._socket, None
+        if datagram is not None:
+            self._loop.remove_reader(datagram.fileno())
+            datagram.close()

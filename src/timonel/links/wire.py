@@ -1,0 +1,181 @@
+"""A descriptor on the loop, and the links that have one: bytes in as they come, lines out as there is room.
+
+Written for speed where a batch passes: one write for a batch of lines, no task and no timer unless the port is full.
+"""
+
+import asyncio
+import os
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+from timonel.core.effects import Say
+from timonel.links.backlog import URGENT_MAX, Backlog
+from timonel.links.kept import Kept, text_of
+from timonel.links.link import Counters
+
+Incoming = TypeVar("Incoming")
+
+READ_AT_ONCE = 4096  # no more at a time from one port, so that a flood on it leaves the others their turn
+WRITE_AT_ONCE = 65536
+RETRY = 0.02
+
+
+class Wire:
+    """An open non-blocking descriptor: serial port, pseudo-terminal or stream socket.
+
+    `lost(reason)` is called once, from the loop, when it breaks; after that nothing is read or written any more, and
+    its owner calls `close`, which gives the descriptor back by `release`. With `room`, which tells how many bytes
+    the system may be given now, room is asked for every 20 ms instead of waiting for the descriptor to be writable.
+    With `stale_after`, lines that could not move for so many seconds are dropped instead of being sent late.
+    """
+
+    def __init__(
+        self,
+        fd: int,
+        *,
+        receive: Callable[[bytes], None],
+        lost: Callable[[str], None],
+        release: Callable[[], None],
+        tally: Counters,
+        room: Callable[[], int] | None = None,
+        urgent_max: int = URGENT_MAX,
+        stale_after: float | None = None,
+    ) -> None:
+        os.set_blocking(fd, False)
+        self._fd = fd
+        self._receive = receive
+        self._lost = lost
+        self._release = release
+        self._tally = tally
+        self._room = room
+        self._stale_after = stale_after
+        self._backlog = Backlog(tally, urgent_max=urgent_max)
+        self._broken = False
+        self._moved = 0.0
+        self._retry: asyncio.TimerHandle | None = None
+        self._loop = asyncio.get_running_loop()
+        self._loop.add_reader(fd, self._readable)
+
+    @property
+    def pending(self) -> bool:
+        """Whether lines wait that could still be written."""
+        return bool(self._backlog) and not self._broken
+
+    def send(self, lines: Sequence[Say]) -> None:
+        if self._broken:
+            self._tally.dropped += len(lines)
+        elif self._backlog:
+            self._backlog.add(lines)
+        elif lines:
+            self._send_now(lines)
+
+    def _send_now(self, lines: Sequence[Say]) -> None:
+        data = b"".join([say.line for say in lines])
+        fits = self._room is None or len(data) <= self._room()
+        written = self._write(data) if fits else 0
+        if written == len(data):
+            return
+        self._backlog.keep(lines, written)
+        self._moved = self._loop.time()
+        if fits:
+            self._wait_for_room()
+        else:
+            self._flush()
+
+    def _write(self, data: bytes) -> int:
+        try:
+            written = os.write(self._fd, data)
+        except BlockingIOError:
+            return 0
+        except OSError as fault:
+            self._break(text_of(fault))
+            return 0
+        self._tally.bytes_out += written
+        return written
+
+    def _wait_for_room(self) -> None:
+        if self._broken:
+            return
+        if self._room is None:
+            self._loop.add_writer(self._fd, self._flush)
+        else:
+            self._retry = self._loop.call_later(RETRY, self._flush)
+
+    def _flush(self) -> None:
+        now = self._loop.time()
+        if self._stale_after is not None and now - self._moved > self._stale_after:
+            self._backlog.clear()
+        data = self._backlog.head(WRITE_AT_ONCE if self._room is None else self._room())
+        written = self._write(data) if data else 0
+        if written:
+            self._moved = now
+            self._backlog.written(written)
+        if self._room is not None and self._backlog:
+            self._wait_for_room()
+        elif not self._backlog:
+            self._loop.remove_writer(self._fd)
+
+    def _readable(self) -> None:
+        try:
+            data = os.read(self._fd, READ_AT_ONCE)
+        except BlockingIOError:
+            return
+        except OSError as fault:
+            self._break(text_of(fault))
+            return
+        if not data:
+            self._break("closed by the other side")
+            return
+        self._tally.bytes_in += len(data)
+        self._receive(data)
+
+    def _break(self, reason: str) -> None:
+        if not self._broken:
+            self._stop()
+            self._loop.call_soon(self._lost, reason)
+
+    def _stop(self) -> None:
+        self._broken = True
+        self._loop.remove_reader(self._fd)
+        self._loop.remove_writer(self._fd)
+        if self._retry is not None:
+            self._retry.cancel()
+
+    def close(self) -> None:
+        """Give the descriptor back; what still waits is dropped and counted."""
+        if not self._broken:
+            self._stop()
+        self._backlog.clear()
+        self._release()
+
+
+class Wired(Kept[Incoming]):
+    """A link over one wire."""
+
+    _wire: Wire | None = None
+
+    @abstractmethod
+    async def _make_wire(self) -> Wire:
+        """Open the descriptor; raises OSError."""
+
+    async def _connect(self) -> None:
+        self._wire = await self._make_wire()
+
+    async def _disconnect(self) -> None:
+        wire, self._wire = self._wire, None
+        if wire is not None:
+            wire.close()
+
+    def _pending(self) -> bool:
+        return self._wire is not None and self._wire.pending
+
+
+class Port(Wired[bytes]):
+    """A port over one wire."""
+
+    def send(self, lines: Sequence[Say]) -> None:
+        if self._wire is None:
+            self._tally.dropped += len(lines)
+        else:
+            self._wire.send(lines)

@@ -1,0 +1,249 @@
+"""Fast packets: messages of up to 223 bytes in up to 32 frames, taken apart and put together again.
+
+    byte 0: sequence counter (3 bits), index (5 bits)
+    index 0: byte 1 is the length, 6 bytes of the message follow; all others: 7 bytes
+
+A reassembler must never join frames of two messages: half of one heading-to-steer and half of the next is a
+course that nobody ordered (spec/boat.md, rule 10). Frames carry nothing that says which message they are of but
+a counter that comes round after eight messages, and that some senders never turn. So a frame is taken only if it
+is where a frame of the same message would be, in time and in order; in doubt the message is lost, and counted.
+
+    a slot is (source, destination, PGN, sequence counter), and lives while
+        its first frame is younger than `max_age` (250 ms) and its last one not older than `max_gap` (100 ms)
+
+    frame in a live slot                effect
+    the next index                      taken
+    one ahead of the next index         kept, and taken if the very next frame is the one between:
+                                        two neighbours were exchanged on the way, `exchanged`
+    the same as the frame before        ignored, `duplicates`
+    index 0                             starts the message afresh; the other one is lost, `interrupted`
+    anything else                       the message is lost, `broken`, and so are its later frames, `headless`
+
+    frame without a live slot           effect
+    index 0                             starts a message
+    index 1                             waits for an exchanged index 0
+    any other                           dropped, `headless`
+
+Refused, because frames of two messages could come in the same way:
+    - frame 0 of a two-frame message behind its frame 1 (canboat pull request 738): both are lost;
+    - frame 0 that interrupts a two-frame message, whose frame 1 may still come: both are lost;
+    - an exchange in a message that interrupted another one, or that begins where one was broken.
+
+What holds, whatever is lost, and whichever neighbours are exchanged:
+    - Messages of one slot are never joined if more than `max_gap` lies between their frames. (999 of 1,000
+      frames of the busiest recordings follow within 25 ms, and a turning counter keeps the messages of a slot
+      eight apart.)
+    - Closer ones, which takes a counter that stands still, are joined wrongly only after two faults at least:
+      two lost frames, or a lost and an exchanged one. For messages of four frames, as 127237: three lost frames,
+      or two lost and an exchanged one.
+    - No rule can do better than count: if the end of one message and the beginning of the next are lost within
+      `max_gap`, what remains is a faultless message.
+"""
+
+import msgspec
+
+from timonel.errors import EncodeError
+
+LONGEST = 223
+"""Bytes in the longest message: 6 + 31 * 7."""
+
+_STREAM = 0x3FFFFFF  # an identifier without its priority, which a sender may change
+_SPENT = 32  # `next` of a slot whose message is lost: no frame has this index
+
+
+class FastPacketCounters(msgspec.Struct, gc=False):
+    """What became of the frames so far: messages, and losses by cause."""
+
+    completed: int = 0
+    """Messages put together."""
+    exchanged: int = 0
+    """Frames that came one place late and were taken."""
+    duplicates: int = 0
+    """Frames that came twice in a row; nothing is lost."""
+    interrupted: int = 0
+    """Messages lost because the next one began in their slot."""
+    broken: int = 0
+    """Messages lost because a frame came where none of theirs could be."""
+    expired: int = 0
+    """Messages (or a lone early frame) not completed in time."""
+    headless: int = 0
+    """Frames without their message's first frame."""
+    evicted: int = 0
+    """Messages that gave way because every slot was taken."""
+    malformed: int = 0
+    """Frames that no fast packet has: no data, a length above 223, too short."""
+
+
+class _Slot(msgspec.Struct, gc=False):
+    """A message on its way in, an early frame 1 (`next` is 0), or what a lost message leaves (`_SPENT`)."""
+
+    first: float  # when its first frame came
+    last: float  # when its last frame came
+    next: int  # index that the next frame should have
+    frames: list[bytes]  # in order, without gaps
+    end: int = 0  # number of frames of the message
+    ahead: bytes | None = None  # the frame after `next`, come early
+    exchangeable: bool = True
+
+
+class Reassembler:
+    """Puts fast packets together, from any number of senders at once.
+
+    `max_age` and `max_gap` are in seconds; at most `max_slots` messages are on their way in at a time (the
+    oldest gives way). Which PGNs are fast packets the caller knows.
+    """
+
+    def __init__(self, max_age: float = 0.25, max_gap: float = 0.1, max_slots: int = 256) -> None:
+        self.counters = FastPacketCounters()
+        self._max_age = max_age
+        self._max_gap = max_gap
+        self._max_slots = max_slots
+        self._slots: dict[int, _Slot] = {}
+
+    @property
+    def pending(self) -> int:
+        """Messages on their way in."""
+        return len(self._slots)
+
+    # Once a frame, so the common case, a frame in its place, comes first and calls nothing.
+    def receive(self, identifier: int, data: bytes, now: float) -> bytes | None:
+        """Take one frame (`now` in s); the message, without padding, if the frame completes one."""
+        if not data:
+            self.counters.malformed += 1
+            return None
+        key = (identifier & _STREAM) << 3 | data[0] >> 5
+        index = data[0] & 31
+        slot = self._slots.get(key)
+        if slot is None:
+            return self._begin(key, index, data, now)
+        if now - slot.first >= self._max_age or not -self._max_gap <= now - slot.last <= self._max_gap:
+            self._forget(key, slot)
+            return self._begin(key, index, data, now)
+        slot.last = now
+        if index != slot.next or slot.ahead is not None or len(data) != 8:
+            return self._out_of_place(key, slot, index, data, now)
+        slot.frames.append(data)
+        slot.next = index + 1
+        return self._complete(key, slot) if slot.next == slot.end else None
+
+    def expire(self, now: float) -> None:
+        """Give up what is too old, so that the counters are exact; never needed for safety."""
+        for key, slot in list(self._slots.items()):
+            if now - slot.first >= self._max_age or now - slot.last > self._max_gap:
+                self._forget(key, slot)
+
+    def _forget(self, key: int, slot: _Slot) -> None:
+        del self._slots[key]
+        if slot.next != _SPENT:
+            self.counters.expired += 1
+
+    def _begin(self, key: int, index: int, data: bytes, now: float) -> bytes | None:
+        """The first frame that comes of a message."""
+        if index == 0:
+            return self._start(key, data, now)
+        if index == 1 and len(data) == 8:
+            self._keep(key, _Slot(now, now, 0, [], ahead=data))
+        else:
+            self.counters.headless += 1
+        return None
+
+    def _start(self, key: int, data: bytes, now: float, exchangeable: bool = True) -> bytes | None:
+        """A message's frame 0."""
+        end = _end(data)
+        if end == 0:
+            self.counters.malformed += 1
+            return None
+        if end == 1:
+            self.counters.completed += 1
+            return data[2 : 2 + data[1]]
+        self._keep(key, _Slot(now, now, 1, [data], end, None, exchangeable))
+        return None
+
+    def _out_of_place(self, key: int, slot: _Slot, index: int, data: bytes, now: float) -> bytes | None:
+        """A frame in a live slot that is not simply the next one."""
+        if data == (slot.ahead or slot.frames[-1]):
+            self.counters.duplicates += 1
+        elif index == 0:
+            return self._restart(key, slot, data, now)
+        elif slot.next == _SPENT:
+            self.counters.headless += 1
+        elif index == slot.next:
+            return self._fill(key, slot, data)
+        elif index == slot.next + 1 < slot.end and slot.ahead is None and slot.exchangeable:
+            slot.ahead = data
+        else:
+            self._lose(slot, data)
+        return None
+
+    def _restart(self, key: int, slot: _Slot, data: bytes, now: float) -> bytes | None:
+        """Frame 0 in a live slot."""
+        end, early = _end(data), slot.next == 0
+        if 0 < slot.next < _SPENT:
+            self.counters.interrupted += 1
+        if (early and end == 2) or (slot.end == 2 and end > 1):
+            self._lose(slot, data)
+            return None
+        del self._slots[key]
+        message = self._start(key, data, now, exchangeable=early)
+        if early and end > 2:
+            self._take_ahead(self._slots[key], slot.ahead)
+        return message
+
+    def _fill(self, key: int, slot: _Slot, data: bytes) -> bytes | None:
+        """The next frame, come after its successor or shorter than eight bytes."""
+        if len(data) < 8 and slot.next + 1 < slot.end:
+            self._lose(slot, data)
+            return None
+        slot.frames.append(data)
+        slot.next += 1
+        self._take_ahead(slot, slot.ahead)
+        return self._complete(key, slot) if slot.next == slot.end else None
+
+    def _take_ahead(self, slot: _Slot, ahead: bytes | None) -> None:
+        if ahead is None:
+            return
+        slot.frames.append(ahead)
+        slot.ahead = None
+        slot.next += 1
+        self.counters.exchanged += 1
+
+    def _complete(self, key: int, slot: _Slot) -> bytes | None:
+        del self._slots[key]
+        data = b"".join([frame[1:] for frame in slot.frames])
+        if len(data) <= data[0]:
+            self.counters.malformed += 1
+            return None
+        self.counters.completed += 1
+        return data[1 : 1 + data[0]]
+
+    def _lose(self, slot: _Slot, data: bytes) -> None:
+        """The message is lost; what stays of it keeps its later frames out of the next."""
+        self.counters.broken += 1
+        slot.next, slot.frames, slot.end, slot.ahead = _SPENT, [data], 0, None
+
+    def _keep(self, key: int, slot: _Slot) -> None:
+        if len(self._slots) >= self._max_slots:
+            del self._slots[next(iter(self._slots))]
+            self.counters.evicted += 1
+        self._slots[key] = slot
+
+
+def fragment(payload: bytes, sequence: int) -> list[bytes]:
+    """The frames of a message, padded with 0xFF; of `sequence` the lowest three bits count.
+
+    Raises EncodeError above 223 bytes.
+    """
+    if len(payload) > LONGEST:
+        raise EncodeError(f"fast packet: {len(payload)} bytes are more than {LONGEST}")
+    counter = (sequence & 7) << 5
+    frames = [bytes((counter, len(payload))) + payload[:6].ljust(6, b"\xff")]
+    for index, start in enumerate(range(6, len(payload), 7), 1):
+        frames.append(bytes((counter | index,)) + payload[start : start + 7].ljust(7, b"\xff"))
+    return frames
+
+
+def _end(first: bytes) -> int:
+    """Number of frames of the message that begins with frame 0 `first`; 0 if none can."""
+    if len(first) < 2 or first[1] > LONGEST or len(first) < min(8, first[1] + 2):
+        return 0
+    return 1 + first[1] // 7

@@ -1,0 +1,342 @@
+"""The autopilot as the stations see it: mode, set point, and what makes it safe. A pure machine.
+
+Only the commander's words reach this machine (`vehicle` sees to that). Set points are whole tenths of a
+degree, 0..3599, in the boat's heading reference: what is shown is exactly what is commanded.
+
+The rules (spec/boat.md, "$PARP received" and "Safety rules"):
+
+input             accepted when                   effect
+engage            not in ALARM, heading < 3 s     HEADING_HOLD at the present heading
+disengage         always                          STANDBY, in ALARM too
+set, turn         HEADING_HOLD                    the set point, modulo 360; never the mode
+bus silent 3 s    -                               ALARM; commands but disengage are refused
+heading lost 3 s  HEADING_HOLD                    ALARM
+data is back      ALARM                           what the pilot reports, else STANDBY and a disengage
+pilot's report    no command is under way         the truth about mode and set point
+pilot's report    a command is under way          confirms it, or is ignored until the command is 2 s old
+2 s unconfirmed   the pilot was ever heard        alert; the report is the truth again
+
+Nothing here ever engages but the commander. A command is repeated at 1 Hz while it is under way, and a course
+while it is ours: until the pilot reports a mode or a set point that somebody gave it elsewhere. Two heads
+that both repeat would fight over the rudder.
+"""
+
+from enum import Enum
+
+import msgspec
+
+from timonel.core.alerts import Alerts
+from timonel.core.effects import Event, Refused
+from timonel.vehicles.boat.alerts import BACKBONE_SILENT, HEADING_LOST, PILOT_NOT_FOLLOWING, PILOT_SILENT
+
+TURN = 3600  # tenths of a degree in a full turn
+DATA_AGE = 3.0  # s, spec/boat.md rules 4 and 7
+FOLLOW_TIME = 2.0  # s, spec/boat.md "Commands become NMEA 2000"
+REPEAT_INTERVAL = 1.0  # s, same place
+PILOT_AGE = 10.0  # s; 127237 comes at 4 Hz by the book, but some pilots send it only when something changes
+REPORT_GRACE = 1.0  # s that a pilot heard before may take to report after an ALARM; it reports at 4 Hz
+HEADING_LOST_TEXT = f"no heading for {DATA_AGE:g} s while holding one"
+SAME_COURSE = 5  # tenths: pilots that hold whole or half degrees still confirm
+
+
+class Mode(Enum):
+    """What the pilot does. The value is the word in STATUS; a mode nobody understands is an empty field."""
+
+    STANDBY = "STANDBY"
+    HEADING_HOLD = "HEADING_HOLD"
+    TRACK = "TRACK"
+    ALARM = "ALARM"
+    UNKNOWN = ""
+
+
+class Steer(Event, frozen=True, gc=False):
+    """Tell the pilot: hold `setpoint` (tenths of a degree), or let go if `setpoint` is None."""
+
+    setpoint: int | None
+
+
+class PilotChanged(Event, frozen=True, gc=False):
+    """Mode or set point (tenths of a degree, None if not known) are not what they were."""
+
+    mode: Mode
+    setpoint: int | None
+
+
+class PilotReport(msgspec.Struct, frozen=True, gc=False):
+    """What the pilot says of itself: `mode` None means it does not tell, `setpoint` in tenths of a degree."""
+
+    mode: Mode | None
+    setpoint: int | None = None
+
+
+class Command(msgspec.Struct, frozen=True, gc=False):
+    """A command that the pilot has yet to confirm, by `deadline` (s)."""
+
+    mode: Mode
+    setpoint: int | None
+    deadline: float
+
+    def confirmed_by(self, report: PilotReport) -> bool:
+        """Whether the pilot does what it was told."""
+        if report.mode is not self.mode:
+            return False
+        return self.setpoint is None or report.setpoint is None or same_course(self.setpoint, report.setpoint)
+
+
+def same_course(a: int, b: int) -> bool:
+    """Whether two set points (tenths of a degree) are one, as far as a pilot's own steps allow."""
+    return abs((a - b + TURN // 2) % TURN - TURN // 2) <= SAME_COURSE
+
+
+def tenths(degrees: float) -> int:
+    """A course in degrees as whole tenths 0..3599, rounded to nearest."""
+    return round(degrees * 10) % TURN
+
+
+class Pilot:
+    """Mode and set point of the autopilot, told the time."""
+
+    def __init__(self, alerts: Alerts, now: float) -> None:
+        self._alerts = alerts
+        self._mode = Mode.STANDBY
+        self._setpoint: int | None = None
+        self._alarm = False
+        self._bus_heard = now
+        self._bus_silent = False
+        self._heading: float | None = None
+        self._heading_heard = now - DATA_AGE
+        self._report: PilotReport | None = None
+        self._report_heard = now
+        self._report_due = now
+        self._command: Command | None = None
+        self._ours = False
+        self._disengage_owed = False
+        self._repeat_at = now
+        self._recover_at: float | None = None
+
+    # What people see ------------------------------------------------------------------------------
+
+    @property
+    def mode(self) -> Mode:
+        """The mode for STATUS: ALARM covers whatever the pilot was doing."""
+        return Mode.ALARM if self._alarm else self._mode
+
+    @property
+    def setpoint(self) -> int | None:
+        """The set point for STATUS in tenths of a degree: 0 in STANDBY, None where it is not known."""
+        return 0 if self._mode is Mode.STANDBY else self._setpoint
+
+    def heading(self, now: float) -> float | None:
+        """The present heading in degrees; None if the last one is 3 s old."""
+        return self._heading if now - self._heading_heard < DATA_AGE else None
+
+    # What the bus tells ---------------------------------------------------------------------------
+
+    def bus_heard(self, now: float) -> list[Event]:
+        """Any frame came in from the backbone."""
+        self._bus_heard = now
+        if not self._bus_silent:
+            return []
+        self._bus_silent = False
+        self._report_due = max(self._report_due, now + PILOT_AGE)
+        return self._alerts.rectify(BACKBONE_SILENT) + self._data_back(now)
+
+    def heading_heard(self, degrees: float, now: float) -> list[Event]:
+        """A valid heading in the boat's reference, degrees."""
+        self._heading = degrees
+        self._heading_heard = now
+        if not self._alerts.active(HEADING_LOST):
+            return []
+        return self._alerts.rectify(HEADING_LOST) + self._data_back(now)
+
+    def reported(self, report: PilotReport, now: float) -> list[Event]:
+        """The pilot told its mode, its set point or both."""
+        self._report = report
+        self._report_heard = now
+        self._report_due = now + PILOT_AGE
+        back = self._alerts.rectify(PILOT_SILENT)
+        if self._alarm:
+            return back if self._recover_at is None else back + self._recover(now)
+        if self._command is None:
+            return back + self._adopt(report)
+        if not self._command.confirmed_by(report):
+            return back
+        self._command = None
+        return back + self._alerts.rectify(PILOT_NOT_FOLLOWING) + self._adopt(report)
+
+    # What the commander says ----------------------------------------------------------------------
+
+    def engage(self, station: int, now: float) -> list[Event]:
+        """Hold the present heading."""
+        if self._alarm:
+            return [Refused("alarm", station)]
+        heading = self.heading(now)
+        if heading is None:
+            return [Refused("no heading", station)]
+        return self._steer(Mode.HEADING_HOLD, tenths(heading), now)
+
+    def disengage(self, now: float) -> list[Event]:
+        """Let go of the rudder. Always accepted."""
+        self._alarm = False
+        self._recover_at = None
+        self._disengage_owed = self._bus_silent
+        return self._alerts.rectify(HEADING_LOST) + self._steer(Mode.STANDBY, None, now)
+
+    def set_heading(self, setpoint: int, station: int, now: float) -> list[Event]:
+        """Hold `setpoint`, tenths of a degree."""
+        if self.mode is not Mode.HEADING_HOLD:
+            return [Refused("not in heading hold", station)]
+        return self._steer(Mode.HEADING_HOLD, setpoint % TURN, now)
+
+    def turn(self, change: int, station: int, now: float) -> list[Event]:
+        """Move the set point by `change` tenths of a degree, starboard positive."""
+        if self._setpoint is None:
+            return [Refused("no set point", station)]
+        return self.set_heading(self._setpoint + change, station, now)
+
+    # Time -----------------------------------------------------------------------------------------
+
+    @property
+    def deadline(self) -> float:
+        """When `expire` should be called, s."""
+        times = [float("inf") if self._bus_silent else self._bus_heard + DATA_AGE]
+        if self._watches_heading:
+            times.append(self._heading_heard + DATA_AGE)
+        if self._watches_pilot:
+            times.append(self._report_due)
+        if self._command is not None:
+            times.append(self._command.deadline)
+        if self._repeats:
+            times.append(self._repeat_at)
+        if self._recover_at is not None:
+            times.append(self._recover_at)
+        return min(times)
+
+    def expire(self, now: float) -> list[Event]:
+        """What the passing of time brings about."""
+        effects: list[Event] = []
+        if not self._bus_silent and now >= self._bus_heard + DATA_AGE:
+            effects += self._bus_lost(now)
+        if self._watches_heading and now >= self._heading_heard + DATA_AGE:
+            effects += self._heading_lost(now)
+        if self._watches_pilot and now >= self._report_due:
+            effects += self._pilot_lost(now)
+        if self._command is not None and now >= self._command.deadline:
+            effects += self._unconfirmed(now)
+        if self._recover_at is not None and now >= self._recover_at:
+            effects += self._let_go()
+        if self._repeats and now >= self._repeat_at:
+            effects += self._repeat(now)
+        return effects
+
+    @property
+    def _watches_heading(self) -> bool:
+        return self.mode is Mode.HEADING_HOLD and self._heading is not None
+
+    @property
+    def _watches_pilot(self) -> bool:
+        return self._report is not None and not self._bus_silent and not self._alerts.active(PILOT_SILENT)
+
+    @property
+    def _repeats(self) -> bool:
+        return (self._ours or self._command is not None) and not self._alarm
+
+    # How it is done -------------------------------------------------------------------------------
+
+    def _steer(self, mode: Mode, setpoint: int | None, now: float) -> list[Event]:
+        self._command = Command(mode, setpoint, now + FOLLOW_TIME)
+        self._ours = mode is Mode.HEADING_HOLD
+        self._repeat_at = now + REPEAT_INTERVAL
+        return [*self._show(mode, setpoint), Steer(setpoint)]
+
+    def _show(self, mode: Mode, setpoint: int | None) -> list[Event]:
+        self._mode, self._setpoint = mode, setpoint
+        return [PilotChanged(self.mode, self.setpoint)]
+
+    def _adopt(self, report: PilotReport) -> list[Event]:
+        if report.mode is None:
+            return []
+        setpoint = self._reported_setpoint(report)
+        self._ours = self._ours and report.mode is Mode.HEADING_HOLD and self._is_ours(setpoint)
+        if (report.mode, setpoint) == (self._mode, self._setpoint):
+            return []
+        return self._show(report.mode, setpoint)
+
+    def _reported_setpoint(self, report: PilotReport) -> int | None:
+        if report.mode is Mode.STANDBY:
+            return None
+        if report.setpoint is None and report.mode is self._mode:
+            return self._setpoint  # it holds on without saying what
+        return report.setpoint
+
+    def _is_ours(self, setpoint: int | None) -> bool:
+        return setpoint is not None and self._setpoint is not None and same_course(setpoint, self._setpoint)
+
+    def _bus_lost(self, now: float) -> list[Event]:
+        self._bus_silent = True
+        text = f"nothing heard from the backbone for {DATA_AGE:g} s"
+        return self._alerts.arise(BACKBONE_SILENT, text, now) + self._sound()
+
+    def _heading_lost(self, now: float) -> list[Event]:
+        return self._alerts.arise(HEADING_LOST, HEADING_LOST_TEXT, now) + self._sound()
+
+    def _sound(self) -> list[Event]:
+        self._alarm = True
+        self._command = None
+        return [PilotChanged(self.mode, self.setpoint)]
+
+    def _pilot_lost(self, now: float) -> list[Event]:
+        text = f"the pilot has not reported for {PILOT_AGE:g} s"
+        effects = self._alerts.arise(PILOT_SILENT, text, now)
+        if self._alarm or self._ours or self._mode is Mode.STANDBY:
+            return effects
+        return effects + self._show(Mode.UNKNOWN, None)
+
+    def _unconfirmed(self, now: float) -> list[Event]:
+        command, self._command = self._command, None
+        if self._report is None or command is None:
+            return []
+        text = "engage" if command.mode is Mode.HEADING_HOLD else "standby"
+        effects = self._alerts.arise(PILOT_NOT_FOLLOWING, f"{text} not followed for {FOLLOW_TIME:g} s", now)
+        if now - self._report_heard >= DATA_AGE:
+            return effects
+        was_ours = self._ours
+        effects += self._adopt(self._report)
+        gave_up = was_ours and self._mode is Mode.STANDBY
+        return [*effects, Steer(None)] if gave_up else effects
+
+    def _data_back(self, now: float) -> list[Event]:
+        if not self._alarm:
+            return self._pay_disengage()
+        if self._bus_silent or self._alerts.active(HEADING_LOST):
+            return []
+        if self._report is None or now - self._report_heard < DATA_AGE:
+            return self._recover(now)
+        self._recover_at = now + REPORT_GRACE
+        return []
+
+    def _recover(self, now: float) -> list[Event]:
+        report = self._report
+        if report is None or report.mode is None:
+            return self._let_go()
+        self._recover_at = None
+        if report.mode is Mode.HEADING_HOLD and self.heading(now) is None:
+            return self._alerts.arise(HEADING_LOST, HEADING_LOST_TEXT, now)
+        self._alarm = False
+        self._ours = False
+        return self._show(report.mode, self._reported_setpoint(report))
+
+    def _let_go(self) -> list[Event]:
+        self._alarm = False
+        self._recover_at = None
+        self._disengage_owed = self._disengage_owed or self._mode is not Mode.STANDBY
+        self._ours = False
+        return self._show(Mode.STANDBY, None) + self._pay_disengage()
+
+    def _pay_disengage(self) -> list[Event]:
+        owed, self._disengage_owed = self._disengage_owed, False
+        return [Steer(None)] if owed else []
+
+    def _repeat(self, now: float) -> list[Event]:
+        self._repeat_at = now + REPEAT_INTERVAL
+        return [Steer(self._setpoint)]
