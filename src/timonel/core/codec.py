@@ -1,13 +1,13 @@
 """Generates `decode`, `read` and `encode` of a message from its layout.
 
-What runs once a frame is written for speed: one precompiled `struct.Struct` takes all fixed fields of a run at
-once, odd bits are cut from the smallest words that cover them, reserved bytes are skipped, lookups are one
+What runs once a frame is written for speed: one precompiled `struct.Struct` takes all fixed fields of a run
+at once, odd bits are cut from the smallest words that cover them, reserved bytes are skipped, lookups are one
 subscript. `source(message)` shows the Python that is made.
 """
 
 import math
 import struct
-from enum import IntFlag
+from collections.abc import Callable
 from functools import cache
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
@@ -18,14 +18,11 @@ from timonel.core.fields import (
     Ascii,
     Binary,
     Bits,
-    Code,
-    Field,
     Fixed,
     Flags,
     Lookup,
     Match,
     Number,
-    Repeat,
     Reserved,
     Spare,
     Variable,
@@ -42,18 +39,19 @@ MISTAKES = (TypeError, ValueError, OverflowError, AttributeError, struct.error)
 class Table(dict[int, Any]):
     """Raw value -> member, filled as values are met."""
 
-    def __init__(self, codes: type[Code] | type[IntFlag], not_available: int | None = None) -> None:
-        super().__init__({} if not_available is None else {not_available: None})
-        self.codes = codes
+    def __init__(self, meaning: Callable[[int], Any]) -> None:
+        self.meaning = meaning
 
     def __missing__(self, raw: int) -> Any:
-        member = self[raw] = self.codes(raw)
+        member = self[raw] = self.meaning(raw)
         return member
 
 
 @cache
-def table(field: Lookup | Flags) -> Table:
-    return Table(field.codes, field.not_available) if isinstance(field, Lookup) else Table(field.flags)
+def table(field: Lookup | Flags) -> list[Any] | Table:
+    """What each raw value of a field means: all at once where they are few, as they come where they are many."""
+    meaning = field.meaning if isinstance(field, Lookup) else field.flags
+    return [meaning(raw) for raw in range(field.ones + 1)] if field.bits <= 8 else Table(meaning)
 
 
 class Word(msgspec.Struct):
@@ -139,8 +137,9 @@ def run(slots: "list[Slot]") -> Run:
 def parts(message: "type[Message]") -> "list[Run | Slot]":
     """The layout as runs of fixed fields and the variable fields between them."""
     result: list[Run | Slot] = []
-    for variable, slots in groupby(message.layout, lambda slot: isinstance(slot.field, Variable)):
-        result += list(slots) if variable else [run(list(slots))]
+    for variable, group in groupby(message.layout, lambda slot: isinstance(slot.field, Variable)):
+        slots = list(group)
+        result += slots if variable else [run(slots)]
     return result
 
 
@@ -299,11 +298,7 @@ def _number(field: Number, raw: str) -> str:
 
 
 def _encode(message: "type[Message]", cut: "list[Run | Slot]") -> list[str]:
-    counted = {
-        slot.field.count: slot.name
-        for slot in message.layout
-        if isinstance(slot.field, Repeat) and slot.field.count
-    }
+    counted = {slot.field.counter: slot.name for slot in message.layout if isinstance(slot.field, Variable)}
     lines, results = ["def encode(self):", " try:"], []
     for number, part in enumerate(cut):
         if isinstance(part, Run):
@@ -333,8 +328,7 @@ def _raw_of(slot: "Slot", counted: str | None) -> list[str]:
                 scaled = f"round({scaled} / {field.resolution!r})"
             check = [f"if not {lowest} <= {raw} <= {highest}:", refuse]
             if counted:
-                return [f"v = {value}", f"{raw} = {scaled}", *check,
-                        f"if {raw} != len(self.{counted}):", refuse]  # fmt: skip
+                return [f"v = {value}", f"{raw} = {scaled}", *check]
             return [
                 f"v = {value}",
                 "if v is None:",
@@ -344,9 +338,9 @@ def _raw_of(slot: "Slot", counted: str | None) -> list[str]:
                 *(f" {line}" for line in check),
             ]
         case Lookup() as field:
-            absent = [f"if {raw} is None:", f" {raw} = {field.not_available}"]
-            check = [f"{'if' if field.not_available is None else 'elif'} not 0 <= {raw} <= {field.ones}:"]
-            return [f"{raw} = {value}", *(absent if field.not_available is not None else []), *check, refuse]
+            absent = [f"if {raw} is None:", f" {raw} = {field.ones}"] if field.highest < field.ones else []
+            check = f"{'el' if absent else ''}if not 0 <= {raw} <= {field.highest}:"
+            return [f"{raw} = {value}", *absent, check, refuse]
         case Flags() | Bits() as field:
             return [f"{raw} = {value}", f"if not 0 <= {raw} <= {field.ones}:", refuse]
         case Match():
@@ -399,9 +393,6 @@ def refusal(message: "Message") -> EncodeError:
         value = getattr(message, slot.name)
         if fault := _fault(slot, value):
             return EncodeError(f"{slot.name}: {fault}")
-        if isinstance(slot.field, Repeat) and (count := getattr(message, slot.field.count, None)) is not None:
-            if count != len(value):
-                return EncodeError(f"{slot.field.count}: {count}, but {slot.name} has {len(value)}")
     return EncodeError(f"{type(message).__name__}: too many in a list")
 
 
@@ -409,10 +400,11 @@ def _fault(slot: "Slot", value: Any) -> str | None:
     match slot.field:
         case Number() as field:
             return None if value is None else _number_fault(field, value)
-        case Lookup(not_available=int()) if value is None:
-            return None
-        case Lookup() | Flags() | Bits() as field:
-            return _code_fault(field, value)
+        case Lookup() as field:
+            absent = value is None and field.highest < field.ones
+            return None if absent else _code_fault(field.highest, value)
+        case Flags() | Bits() as field:
+            return _code_fault(field.ones, value)
         case Match():
             return None if value == slot.default else f"{value!r} is not {slot.default!r}"
         case Ascii() as field:
@@ -421,11 +413,14 @@ def _fault(slot: "Slot", value: Any) -> str | None:
         case Binary() as field:
             fits = isinstance(value, bytes) and len(value) == field.size
             return None if fits else f"{value!r} is not {field.size} bytes"
-        case Repeat():
-            return None if isinstance(value, tuple | list) else f"{value!r} is not a tuple"
-        case Variable():
-            return None if isinstance(value, str | bytes | None) else f"{value!r} is neither text nor bytes"
+        case Variable() as variable:
+            return _variable_fault(variable, value)
     return None
+
+
+def _variable_fault(field: Variable, value: Any) -> str | None:
+    wanted = tuple if field.counter else (str | bytes | tuple | None)
+    return None if isinstance(value, wanted) else f"{value!r} is not {wanted}"
 
 
 def _number_fault(field: Number, value: Any) -> str | None:
@@ -440,8 +435,7 @@ def _number_fault(field: Number, value: Any) -> str | None:
     return f"{value} {field.unit + ' ' if field.unit else ''}is outside {span}"
 
 
-def _code_fault(field: Field, value: Any) -> str | None:
-    assert isinstance(field, Fixed)
+def _code_fault(highest: int, value: Any) -> str | None:
     if not isinstance(value, int):
         return f"{value!r} is not a whole number"
-    return None if 0 <= value <= field.ones else f"{value:d} is outside 0..{field.ones}"
+    return None if 0 <= value <= highest else f"{value:d} is outside 0..{highest}"

@@ -14,16 +14,17 @@ class Effect(msgspec.Struct, frozen=True, gc=False):
 
 
 class Say(Effect, frozen=True, gc=False):
-    """Write one line to every OUT port (or to `port` alone).
+    """Write one line to every OUT port.
 
-    `line` ends in CR LF. `key` names what the line is about: where a port cannot keep up, a newer line replaces
-    an unsent one of the same key. An `urgent` line goes ahead of all data and is never replaced.
+    `line` ends in CR LF. `key` names what the line is about: where a port cannot keep up, a newer line of data
+    replaces an unsent one of the same key. An `urgent` line goes ahead of all data and is not replaced, unless
+    it tells a `state` as a whole, which makes an older one worthless.
     """
 
     line: bytes
     key: str
     urgent: bool = False
-    port: str | None = None
+    state: bool = False
 
 
 class Transmit(Effect, frozen=True, gc=False):

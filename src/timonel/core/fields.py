@@ -9,11 +9,12 @@ Lookup(bits, Enum)  Flags(bits, Enum)    one of a list; any of a list
 Match(bits)                              a constant, the field's default, that tells variants of one PGN apart
 Reserved(bits)  Spare(bits)              ones; zeros
 Ascii(size)  Binary(size)                text and bytes of fixed size
-StringLau()  Repeat(group, count)  Rest()   of variable size
+StringLau()  Rest()                      of variable size: text; all bytes that are left
+Repeat(group, count)  Packed(field, count)   many of them; without `count`, up to the end
 ```
 NMEA 2000 gives the highest values of a number a meaning of their own: not available, out of range, reserved.
-From 8 bits there are all three, from 4 to 7 bits the first two, below that only the first; all of them read as
-None. So does a value outside the range that the unit allows: a latitude of 107 degrees is none.
+From 8 bits there are all three, from 4 to 7 bits the first two, below that only the first; all of them read
+as None. So does a value outside the range that the unit allows: a latitude of 107 degrees is none.
 Source: canboat's database, `RangeMin`, `RangeMax` and `FieldTypes`.
 """
 
@@ -31,7 +32,7 @@ SECONDS_OF_DAY = 86401  # a leap second may make it one more than a day has
 
 
 class Code(IntEnum):
-    """Base of all lookups. A number that no list knows is a value too, `UNKNOWN_6`, and stays distinguishable."""
+    """Base of all lookups. A number without a name is a value too, `UNKNOWN_6`, and stays distinguishable."""
 
     @classmethod
     def _missing_(cls, value: object) -> Self | None:
@@ -56,9 +57,14 @@ class Fixed(Field, frozen=True):
     def ones(self) -> int:
         return (1 << self.bits) - 1
 
+    @property
+    def specials(self) -> int:
+        """How many of the highest values have a meaning of their own."""
+        return 3 if self.bits >= 8 else 2 if self.bits >= 4 else 1 if self.bits >= 2 else 0
+
 
 class Number(Fixed, frozen=True):
-    """A scaled number: value = raw * resolution + offset, in `unit`. An int if resolution and offset are ints.
+    """A scaled number: value = raw * resolution + offset, in `unit`; an int if both of them are ints.
 
     `limit` is the largest magnitude that makes sense; angles in rad have theirs by their unit.
     """
@@ -86,8 +92,7 @@ class Number(Fixed, frozen=True):
     @cached_property
     def range(self) -> tuple[int, int]:
         """The lowest and highest valid raw value."""
-        specials = 3 if self.bits >= 8 else 2 if self.bits >= 4 else 1 if self.bits >= 2 else 0
-        highest = self.not_available - specials
+        highest = self.not_available - self.specials
         lowest = -self.not_available if self.signed else 0
         if self.magnitude is None:
             return lowest, highest
@@ -118,14 +123,16 @@ class Bits(Fixed, frozen=True):
 
 
 class Lookup(Fixed, frozen=True):
-    """One of a list. All ones is None, unless the list has a name for it."""
+    """One of a list. The highest values are None as those of a number are, up to the highest one with a name."""
 
     codes: type[Code]
 
     @cached_property
-    def not_available(self) -> int | None:
-        named = self.ones in self.codes._value2member_map_
-        return None if named or self.bits == 1 else self.ones
+    def highest(self) -> int:
+        return max(self.ones - self.specials, *self.codes)
+
+    def meaning(self, raw: int) -> Code | None:
+        return None if raw > self.highest else self.codes(raw)
 
 
 class Flags(Fixed, frozen=True):
@@ -147,7 +154,7 @@ class Spare(Fixed, frozen=True):
 
 
 class Ascii(Field, frozen=True):
-    """Text in a fixed number of bytes, padded with 0xFF; read up to the first 0xFF, 0x00 or `@`. Empty is None."""
+    """Text in a fixed number of bytes, padded with 0xFF; read up to 0xFF, 0x00 or `@`. Empty is None."""
 
     size: int
 
@@ -172,17 +179,23 @@ Date = partial(Number, 16, False, 1, "d")
 TimeOfDay = partial(Number, 32, False, 1e-4, "s", limit=SECONDS_OF_DAY)
 
 
-def Unsigned(bits: int, resolution: float = 1, unit: str = "") -> Number:  # noqa: N802
+def Unsigned(bits: int, resolution: float = 1, unit: str = "") -> Number:
     """An unsigned number of an odd length."""
     return Number(bits, False, resolution, unit)
 
 
 class Variable(Field, frozen=True):
-    """A field whose size is told by its content. `context` names the earlier fields that it needs to know."""
+    """A field whose size is told by its content, or by earlier fields."""
+
+    @property
+    def counter(self) -> str:
+        """The earlier field that says how many there are; sent as their number when it is None."""
+        return ""
 
     @property
     def context(self) -> tuple[str, ...]:
-        return ()
+        """The earlier fields that `read` and `write` are given."""
+        return (self.counter,) if self.counter else ()
 
     def read(self, data: bytes, at: int, *context: Any) -> tuple[Any, int]:
         """The value at byte `at`, and where the next field begins: beyond the end if there was too little."""
@@ -194,7 +207,7 @@ class Variable(Field, frozen=True):
 
 
 class StringLau(Variable, frozen=True):
-    """Text with a length byte and a kind byte: 0 is UTF-16, 1 is ASCII. Empty, or of another kind, is None."""
+    """Text with a length byte and a kind byte: 0 is UTF-16, 1 is ASCII. Empty or of another kind is None."""
 
     ENCODINGS: ClassVar = {0: "utf-16-le", 1: "utf-8"}
 
@@ -218,6 +231,8 @@ class StringLau(Variable, frozen=True):
 class Group(Protocol):
     """What `Repeat` needs to know of the message that is repeated."""
 
+    layout: ClassVar[tuple[Any, ...]]
+
     @classmethod
     def read(cls, data: bytes, at: int) -> tuple[Any, int]: ...
     def encode(self) -> bytes: ...
@@ -233,8 +248,8 @@ class Repeat(Variable, frozen=True):
     count: str = ""
 
     @property
-    def context(self) -> tuple[str, ...]:
-        return (self.count,) if self.count else ()
+    def counter(self) -> str:
+        return self.count
 
     def read(self, data: bytes, at: int, *context: Any) -> tuple[tuple[Any, ...], int]:
         wanted = (context[0] or 0) if context else len(data)
@@ -250,6 +265,37 @@ class Repeat(Variable, frozen=True):
         return b"".join(group.encode() for group in value)
 
 
+class Packed(Variable, frozen=True):
+    """A tuple of bit patterns or lookups without gaps between them, filled up with ones to whole bytes."""
+
+    element: Bits | Lookup
+    count: str = ""
+
+    @property
+    def counter(self) -> str:
+        return self.count
+
+    def read(self, data: bytes, at: int, *context: Any) -> tuple[tuple[Any, ...], int]:
+        room = max(0, len(data) - at) * 8 // self.element.bits
+        number = min(room, context[0] or 0) if context else room
+        end = at + -(-number * self.element.bits // 8)
+        packed = int.from_bytes(data[at:end], "little")
+        raws = (packed >> place * self.element.bits & self.element.ones for place in range(number))
+        if isinstance(self.element, Lookup):
+            return tuple(self.element.meaning(raw) for raw in raws), end
+        return tuple(raws), end
+
+    def write(self, value: Any, *context: Any) -> bytes:
+        packed, bits = 0, 0
+        for item in value:
+            raw = self.element.ones if item is None else int(item)
+            if not 0 <= raw <= self.element.ones:
+                raise EncodeError(f"{raw} is outside 0..{self.element.ones}")
+            packed |= raw << bits
+            bits += self.element.bits
+        return (packed | (1 << -bits % 8) - 1 << bits).to_bytes(-(-bits // 8), "little")
+
+
 class Rest(Variable, frozen=True):
     """All bytes that are left."""
 
@@ -258,4 +304,3 @@ class Rest(Variable, frozen=True):
 
     def write(self, value: bytes, *context: Any) -> bytes:
         return value
-

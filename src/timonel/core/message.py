@@ -50,24 +50,36 @@ class MessageMeta(msgspec.StructMeta):
     At run time a field left out is None; the type checker asks for those that are declared without a default.
     """
 
-    pgn: int | None
+    PGN: int | None
     layout: tuple[Slot, ...]
 
     def __new__(
-        mcls, name: str, bases: tuple[type, ...], namespace: dict[str, Any], *, pgn: int | None = None, **options: Any
+        mcls,
+        name: str,
+        bases: tuple[type, ...],
+        namespace: dict[str, Any],
+        *,
+        pgn: int | None = None,
+        **options: Any,
     ) -> "MessageMeta":
         for field in _annotated(namespace):
             namespace.setdefault(field, None)
         options |= {"frozen": True, "gc": False}
         cls = super().__new__(mcls, name, bases, namespace, **options)
-        cls.pgn = pgn
+        cls.PGN = pgn
         cls.layout = tuple(_slots(cls))
         for method, lazy in LAZY.items():  # a class never inherits the codec of its base
             setattr(cls, method, lazy)
         return cls
 
     def __init__(
-        cls, name: str, bases: tuple[type, ...], namespace: dict[str, Any], *, pgn: int | None = None, **options: Any
+        cls,
+        name: str,
+        bases: tuple[type, ...],
+        namespace: dict[str, Any],
+        *,
+        pgn: int | None = None,
+        **options: Any,
     ) -> None:
         super().__init__(name, bases, namespace)
 
@@ -100,7 +112,7 @@ def _slots(cls: MessageMeta) -> list[Slot]:
 class Message(msgspec.Struct, metaclass=MessageMeta, frozen=True):
     """Base of all messages."""
 
-    pgn: ClassVar[int | None]
+    PGN: ClassVar[int | None]
     layout: ClassVar[tuple[Slot, ...]]
 
     @classmethod

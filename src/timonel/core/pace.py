@@ -16,13 +16,14 @@ class Pace:
         self.interval = interval
         self._due = float("-inf")
 
-    def ready(self, now: float) -> bool:
-        """Whether an event at `now` (s) is within the ceiling; if so it counts as having happened."""
+    def open(self, now: float) -> bool:
+        """Whether an event at `now` (s) is within the ceiling."""
+        return now >= self._due - self.interval
+
+    def count(self, now: float) -> None:
+        """An event happened at `now`."""
         due = self._due
-        if now < due - self.interval:
-            return False
         self._due = (due if due > now else now) + self.interval
-        return True
 
 
 class Allowance:

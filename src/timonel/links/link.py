@@ -1,8 +1,9 @@
 """What every link is: a port that carries bytes, or a bus that carries frames.
 
-A link is made by `timonel.links.urls` from its URL, opened once, and then looks after itself: when the far side goes
-away it is opened again, at the latest a second after it is back, until `close`. All calls and all callbacks happen
-on the loop that `open` was called on; `send` neither waits nor raises for anything a peer does.
+A link is made by `timonel.links.urls` from its URL, opened once, and then looks after itself: when the far
+side goes away it is opened again, at the latest a second after it is back, until `close`. All calls and all
+callbacks happen on the loop that `open` was called on; `send` neither waits nor raises for anything a peer
+does.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,7 +15,7 @@ from timonel.core.effects import Say
 from timonel.core.frame import Frame
 
 Changed = Callable[[bool, str], None]
-"""Told at every change: whether the link is connected, and why (or in what state), `""` if there is nothing to say."""
+"""Told at every change: whether the link is connected, and why or in what state (`""`: nothing to say)."""
 
 
 class Counters(msgspec.Struct, gc=False):
@@ -66,4 +67,4 @@ class BusLink(Link, Protocol):
         """Start; returns when the first attempt was made, whether or not it succeeded."""
 
     def send(self, frames: Sequence[Frame]) -> None:
-        """Put `frames` on the bus, or drop and count what there is no room for: a late command is a wrong one."""
+        """Put `frames` on the bus; what there is no room for is dropped: a late command is a wrong one."""

@@ -1,8 +1,9 @@
 """`pty://path`: a pseudo-terminal for programs on the same machine, who find it at `path`.
 
-A program may open, close and reopen it as often as it likes. While none has it open the link is not connected and
-lines are dropped, so that the next one starts with news. `path` is a symbolic link to the terminal; one left behind is
-replaced, anything else that stands there is left alone, and ours is removed at `close`.
+A program may open, close and reopen it as often as it likes. While none has it open the link is not
+connected and lines are dropped, so that the next one starts with news. `path` is a symbolic link to the
+terminal; one left behind is replaced, anything else that stands there is left alone, and ours is removed at
+`close`.
 """
 
 import os
@@ -58,7 +59,8 @@ class PtyLink(Port):
         with suppress(OSError, termios.error):
             program_end = os.open(self._terminal, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
             try:
-                tty.setraw(program_end, termios.TCSAFLUSH)
+                tty.setraw(program_end, termios.TCSANOW)
+                termios.tcflush(program_end, termios.TCIOFLUSH)  # reaches deeper than TCSAFLUSH
             finally:
                 os.close(program_end)
 
@@ -81,7 +83,7 @@ def in_use(fd: int) -> bool:
 
 
 def place_symlink(target: str, path: str) -> None:
-    """Make `path` a symbolic link to `target`; raises FileExistsError if there is anything but a symbolic link."""
+    """Make `path` a symbolic link to `target`; raises FileExistsError if anything else is there."""
     if os.path.lexists(path) and not os.path.islink(path):
         raise FileExistsError("in the way: something that is not a symbolic link")
     with suppress(FileNotFoundError):

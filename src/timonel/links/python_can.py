@@ -1,9 +1,10 @@
-"""`can+<interface>://channel?bitrate=250000`: any bus that python-can drives (gs_usb, pcan, kvaser, virtual ...).
+"""`can+<interface>://channel?bitrate=250000`: any bus that python-can drives (gs_usb, pcan ...).
 
-Its drivers block, so one thread receives and one sends; frames reach the loop in batches. python-can's own Notifier is
-not used: one broken line ends it, and an unplugged adapter makes it spin. Here a broken line is counted, a dead bus is
-shut down and opened again every second, a frame that could not be sent within half a second is dropped, and a thread
-that ends for whatever reason is noticed. Further parameters of the URL go to the driver as they are.
+Its drivers block, so one thread receives and one sends; frames reach the loop in batches. python-can's own
+Notifier is not used: one broken line ends it, and an unplugged adapter makes it spin. Here a broken line is
+counted, a dead bus is shut down and opened again every second, a frame that could not be sent within half a
+second is dropped, and a thread that ends for whatever reason is noticed. Further parameters of the URL go
+to the driver as they are.
 
 This module needs the extra `can`; it is imported when a link of this kind is made, not before.
 """
@@ -16,7 +17,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from queue import Empty, Full, Queue
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import can
 
@@ -27,6 +28,7 @@ BATCH = 64
 INBOX = 4096
 OUTBOX = 256
 POLL = 0.1
+NAP = 0.01
 SEND_WITHIN = 0.1
 STALE = 0.5
 STRIKES = 100
@@ -44,7 +46,7 @@ DRIVER_FAULT = (
 )
 
 
-def open_bus(interface: str, channel: str | int, parameters: dict[str, str | int | bool]) -> can.BusABC:
+def open_bus(interface: str, channel: str | int, parameters: dict[str, Any]) -> can.BusABC:
     """The bus; raises OSError whatever the driver raises."""
     try:
         return can.Bus(interface=interface, channel=channel, ignore_config=True, **parameters)
@@ -55,8 +57,8 @@ def open_bus(interface: str, channel: str | int, parameters: dict[str, str | int
 class Attendance:
     """An open bus and the two threads that attend it.
 
-    From those threads are called `heard()` when messages are in `inbox`, `lost(reason)` when the bus is dead, and
-    `count(field)` for what did not get through, by the name of its counter.
+    From those threads are called `heard()` when messages are in `inbox`, `lost(reason)` when the bus is
+    dead, and `count(field)` for what did not get through, by the name of its counter.
     """
 
     def __init__(
@@ -74,10 +76,9 @@ class Attendance:
         self._stopping = threading.Event()
         self._outgoing: Queue[tuple[float, Frame] | None] = Queue(OUTBOX)
         self._strikes = 0
+        self._patience = POLL
         self.inbox: deque[can.Message] = deque()
-        self._threads = [
-            threading.Thread(target=work, daemon=True) for work in (self._receive_on, self._send_on)
-        ]
+        self._threads = [threading.Thread(target=work, daemon=True) for work in (self._receive_on, self._send_on)]
         for thread in self._threads:
             thread.start()
 
@@ -113,10 +114,10 @@ class Attendance:
                 self._lost(reason)
 
     def _receive_batch(self) -> None:
-        started = time.monotonic()
-        message = self._next(POLL)
-        if message is None and time.monotonic() - started < POLL / 2:
-            self._stopping.wait(POLL)  # a driver that neither waits nor gives must not make us spin
+        worked = time.thread_time()
+        message = self._next(self._patience)
+        if message is None:
+            self._rest(time.thread_time() - worked)
         count = 0
         while message is not None:
             self._put(message)
@@ -124,6 +125,13 @@ class Attendance:
             message = self._next(0) if count < BATCH else None
         if count:
             self._heard()
+
+    def _rest(self, worked: float) -> None:
+        """Nothing came. A driver that does not wait makes python-can spin: never let that one wait again, but nap."""
+        if worked > POLL / 2:
+            self._patience = 0.0
+        if not self._patience:
+            self._stopping.wait(NAP)
 
     def _next(self, timeout: float) -> can.Message | None:
         try:
@@ -175,7 +183,7 @@ class PythonCanLink(Kept[list[Frame]]):
         *,
         url: str = "",
         name: str = "",
-        **parameters: str | int | bool,
+        **parameters: Any,
     ) -> None:
         super().__init__(url=url, name=name)
         self.interface = interface

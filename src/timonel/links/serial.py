@@ -1,8 +1,8 @@
 """`serial:///dev/ttyUSB0?baud=115200`: a serial port, 8N1, opened by serialx and read and written as a wire.
 
-Any path will do; one below `/dev/serial/by-id` finds the same adapter again in whatever socket it is plugged. The
-port is locked for us alone. What the driver has taken but not yet sent is kept below a tenth of a second, so that
-newer lines still have something to replace on a slow wire.
+Any path will do; one below `/dev/serial/by-id` finds the same adapter again in whatever socket it is
+plugged. The port is locked for us alone. What the driver has taken but not yet sent is kept below a tenth
+of a second, so that newer lines still have something to replace on a slow wire.
 """
 
 import fcntl
@@ -27,7 +27,7 @@ def open_serial(path: str, baud: int) -> "Serial":
     """The port, open, raw and locked; raises OSError. It can take milliseconds, so not on the loop."""
     import serialx
 
-    port = serialx.Serial(path, baudrate=baud)
+    port: Serial = serialx.Serial(path, baudrate=baud)  # type: ignore[abstract]  # chosen at run time
     try:
         port.open()
     except termios.error as fault:
@@ -52,7 +52,7 @@ def held_by_driver(fd: int) -> int:
 
 
 def room_on_line(fd: int, baud: int) -> int:
-    """Bytes that the driver may be given now: what the line sends in `DRIVER_HOLDS`, less what it still holds."""
+    """Bytes that the driver may be given now: what the line sends in `DRIVER_HOLDS`, less what waits."""
     return max(LONGEST_LINE, int(baud / 10 * DRIVER_HOLDS)) - held_by_driver(fd)
 
 

@@ -1,13 +1,14 @@
 """`slcan:///dev/ttyACM0?bitrate=250000&baud=115200`: a CAN adapter that speaks Lawicel's ASCII protocol.
 
 ```
-to the adapter     C Sn O          close the channel, set its bit rate, open it (on opening); C again at the end
+to the adapter     C Sn O          close the channel, set its bit rate, open it; C at the end
 both ways          tiiildd..       data frame, 11-bit identifier, l bytes
                    Tiiiiiiiildd..  data frame, 29-bit identifier
 from the adapter   z Z or nothing  taken;  BEL  not taken, counted
 ```
-Each ends in CR. A time stamp of four digits after the data is accepted, remote frames (r R) and answers to questions
-that others asked (V N F) are passed over, and anything else is a broken line: counted, never fatal.
+Each ends in CR. A time stamp of four digits after the data is accepted, remote frames (r R) and answers to
+questions that others asked (V N F) are passed over, and anything else is a broken line: counted, never
+fatal.
 """
 
 import re
@@ -84,9 +85,7 @@ class SlcanParser:
 class SlcanLink(OnSerial[list[Frame]]):
     """A bus behind a serial adapter. At most 64 frames wait for it, none of them longer than 0.5 s."""
 
-    def __init__(
-        self, path: str, *, bitrate: int = 250_000, baud: int = 115200, url: str = "", name: str = ""
-    ) -> None:
+    def __init__(self, path: str, *, bitrate: int = 250_000, baud: int = 115200, url: str = "", name: str = "") -> None:
         super().__init__(path, baud=baud, url=url, name=name)
         self.bitrate = bitrate
 

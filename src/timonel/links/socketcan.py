@@ -1,10 +1,10 @@
 """`socketcan://can0`: a CAN interface of the Linux kernel, by a raw socket on the loop.
 
-Frames are drained up to 64 a wake-up. What the kernel has no room for is dropped and counted: it waits for a bus that
-does not acknowledge, and a late command is a wrong one. The controller's error frames are counted and its state is
-told by `changed`. An interface that goes down says so once and is silent from then on, so its flags are looked
-at every 0.5 s. Bit rate and restart after bus-off are the interface's own (`ip link set can0 type can bitrate 250000
-restart-ms 100`).
+Frames are drained up to 64 a wake-up. What the kernel has no room for is dropped and counted: it waits for
+a bus that does not acknowledge, and a late command is a wrong one. The controller's error frames are
+counted and its state is told by `changed`. An interface that goes down says so once and is silent from then
+on, so its flags are looked at every 0.5 s. Bit rate and restart after bus-off are the interface's own (`ip
+link set can0 type can bitrate 250000 restart-ms 100`).
 
 Source: linux/can.h, linux/can/error.h, linux/can/raw.h.
 """
@@ -22,6 +22,7 @@ from timonel.links.kept import Kept, text_of
 CAN_FRAME = struct.Struct("=IB3x8s")
 EXTENDED, REMOTE, ERROR = 0x8000_0000, 0x4000_0000, 0x2000_0000
 IDENTIFIER, ERROR_CLASS = 0x1FFF_FFFF, 0x1FFF_FFFF
+CAN_RAW_ERR_FILTER = 2
 BATCH = 64
 RECEIVE_BUFFER = 1 << 20
 WATCH = 0.5
@@ -38,7 +39,7 @@ def can_socket(channel: str) -> socket.socket:
     """A raw socket on the CAN interface `channel` that hears error frames too; raises OSError."""
     can = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
     try:
-        can.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_ERR_FILTER, socket.CAN_ERR_MASK)
+        can.setsockopt(socket.SOL_CAN_RAW, CAN_RAW_ERR_FILTER, socket.CAN_ERR_MASK)
         can.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
         can.bind((channel,))
     except OSError:
@@ -61,7 +62,7 @@ def pack(frame: Frame) -> bytes:
 
 
 def controller_state(error: int, data: bytes) -> tuple[bool, str] | None:
-    """Whether the controller takes part, and how, as an error frame tells it; None if it tells something else."""
+    """Whether the controller takes part, and how; None if the error frame does not tell."""
     if error & BUS_OFF:
         return False, "bus-off"
     if error & RESTARTED:

@@ -4,6 +4,7 @@
 """
 
 import asyncio
+import os
 import socket
 from typing import ClassVar
 
@@ -15,7 +16,7 @@ SEND_BUFFER = 32 * 1024  # so that what waits, waits here, where news replaces i
 
 
 def prepare(stream: socket.socket) -> None:
-    """Every line goes out at once, little waits in the kernel, and a peer that vanished is noticed in 25 s."""
+    """Lines go out at once, little waits in the kernel, and a peer that vanished is noticed in 25 s."""
     stream.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     stream.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
     stream.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
@@ -34,8 +35,11 @@ class TcpLink(Port):
         self.port = port
 
     async def _make_wire(self) -> Wire:
-        async with asyncio.timeout(CONNECT_WITHIN):
-            stream = await self._reach()
+        try:
+            async with asyncio.timeout(CONNECT_WITHIN):
+                stream = await self._reach()
+        except TimeoutError as fault:
+            raise OSError("no answer") from fault
         return Wire(
             stream.fileno(),
             receive=self._receive,
@@ -57,7 +61,7 @@ class TcpLink(Port):
                 await self._loop.sock_connect(stream, address)
             except OSError as refusal:
                 stream.close()
-                fault = refusal
+                fault = OSError(os.strerror(refusal.errno or 0))  # without the address that asyncio puts there
             except asyncio.CancelledError:
                 stream.close()
                 raise

@@ -1,7 +1,7 @@
 """`tcp-listen://host:port`: a server with many readers, each with a backlog of its own.
 
-A reader that stops reading costs the others nothing, and gets the newest line of each kind when it goes on. What the
-clients say is delivered line by line, so that their lines are never mixed.
+A reader that stops reading costs the others nothing, and gets the newest line of each kind when it goes on.
+What the clients say is delivered line by line, so that their lines are never mixed.
 """
 
 import asyncio
@@ -18,6 +18,7 @@ from timonel.links.wire import Wire
 
 READERS_MAX = 256
 ACCEPT_AT_ONCE = 16
+REST = 1.0
 OUT_OF_DESCRIPTORS = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
 
@@ -34,16 +35,14 @@ class TcpListenLink(Kept[bytes]):
 
     @property
     def address(self) -> tuple[str, int] | None:
-        """Host and port where it listens (the port is the real one if 0 was asked for), None while it does not."""
+        """Host and port where it listens (the real one if port 0 was asked for), None while it does not."""
         if self._server is None:
             return None
         host, port = self._server.getsockname()[:2]
         return host, port
 
     async def _connect(self) -> None:
-        found = await self._loop.getaddrinfo(
-            self.host, self.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
-        )
+        found = await self._loop.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
         family, kind, protocol, _, address = found[0]
         server = socket.socket(family, kind, protocol)
         try:
@@ -74,13 +73,13 @@ class TcpListenLink(Kept[bytes]):
             self._welcome(stream)
 
     def _rest(self, fault: OSError) -> None:
-        """Without descriptors the one who knocks stays at the door and would wake us for ever: look away for a second."""
+        """Look away for a second: without descriptors, who knocks stays at the door and wakes us for ever."""
         assert self._server is not None
         self._tally.errors += 1
         if fault.errno not in OUT_OF_DESCRIPTORS:
             self._lost(text_of(fault))
         self._loop.remove_reader(self._server.fileno())
-        self._resume = self._loop.call_later(1.0, self._accept_on)
+        self._resume = self._loop.call_later(REST, self._accept_on)
 
     def _welcome(self, stream: socket.socket) -> None:
         if len(self._readers) >= READERS_MAX:

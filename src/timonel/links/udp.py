@@ -1,7 +1,8 @@
 """`udp://host:port` sends datagrams there and hears that address alone; `udp://:port` hears everybody.
 
-A datagram holds whole lines, at most 1400 bytes of them; a batch goes out as one if it fits. What arrives is whole too:
-a last line without an end gets one, so that it is not joined to the next datagram. A broadcast address may be sent to.
+A datagram holds whole lines, at most 1400 bytes of them; a batch goes out as one if it fits. What arrives
+is whole too: a last line without an end gets one, so that it is not joined to the next datagram. A
+broadcast address may be sent to.
 """
 
 import socket

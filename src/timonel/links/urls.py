@@ -4,7 +4,8 @@
 bytes    serial  pty  tcp  tcp-listen  udp
 frames   socketcan  slcan  can+<interface of python-can>  loop  file
 ```
-To check a URL loads none of the transports, only their names and the rules below; `docs/links.md` describes each.
+To check a URL loads none of the transports, only their names and the rules below; `docs/links.md` describes
+each.
 """
 
 from collections.abc import Callable, Iterable
@@ -26,7 +27,7 @@ BITRATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000,
 
 
 class Scheme(msgspec.Struct, frozen=True):
-    """What stands behind one scheme: `place` reads host or path, `parameters` the query, both raise LinkError."""
+    """What stands behind one scheme: `place` reads host or path, `parameters` the query."""
 
     carries: Carries
     maker: str

@@ -1,6 +1,7 @@
 """A descriptor on the loop, and the links that have one: bytes in as they come, lines out as there is room.
 
-Written for speed where a batch passes: one write for a batch of lines, no task and no timer unless the port is full.
+Written for speed where a batch passes: one write for a batch of lines, no task and no timer unless the port
+is full.
 """
 
 import asyncio
@@ -24,10 +25,11 @@ RETRY = 0.02
 class Wire:
     """An open non-blocking descriptor: serial port, pseudo-terminal or stream socket.
 
-    `lost(reason)` is called once, from the loop, when it breaks; after that nothing is read or written any more, and
-    its owner calls `close`, which gives the descriptor back by `release`. With `room`, which tells how many bytes
-    the system may be given now, room is asked for every 20 ms instead of waiting for the descriptor to be writable.
-    With `stale_after`, lines that could not move for so many seconds are dropped instead of being sent late.
+    `lost(reason)` is called once, from the loop, when it breaks; after that nothing is read or written any
+    more, and its owner calls `close`, which gives the descriptor back by `release`. With `room`, which
+    tells how many bytes the system may be given now, room is asked for every 20 ms instead of waiting for
+    the descriptor to be writable. With `stale_after`, lines that could not move for so many seconds are
+    dropped instead of being sent late.
     """
 
     def __init__(

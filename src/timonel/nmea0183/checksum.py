@@ -12,6 +12,7 @@ from timonel.errors import EncodeError
 LONGEST = 82
 """Characters of a written sentence, from `$` to the line feed."""
 
+_STARTS = b"$!"
 _ENDINGS = tuple(b"*%02X\r\n" % value for value in range(256))
 _DIGITS = "0123456789ABCDEFabcdef"
 _VALUES = {(high + low).encode(): int(high + low, 16) for high in _DIGITS for low in _DIGITS}
@@ -28,9 +29,9 @@ class Fault(StrEnum):
 
 
 def checksum(body: bytes) -> int:
-    """XOR of all bytes of `body`. Runs once a sentence, so it folds one long integer instead of looping."""
-    if len(body) > 128:
-        return reduce(xor, body)
+    """XOR of all bytes of `body`. Beyond a few of them folding one long integer is faster than a loop."""
+    if not 24 < len(body) <= 128:
+        return reduce(xor, body, 0)
     folded = int.from_bytes(body, "little")
     folded ^= folded >> 512
     folded ^= folded >> 256
@@ -46,12 +47,13 @@ def verify(sentence: bytes) -> bytes | Fault:
 
     `sentence` begins with `$` or `!` and ends with exactly two hexadecimal digits, without CR and LF.
     """
-    if sentence[-3:-2] != b"*":
-        return Fault.MALFORMED if b"*" in sentence else Fault.NO_CHECKSUM
     body = sentence[1:-3]
-    if _VALUES.get(sentence[-2:]) == checksum(body):
-        return body if sentence[0] in b"$!" else Fault.MALFORMED
-    return Fault.WRONG_CHECKSUM if sentence[-2:] in _VALUES else Fault.MALFORMED
+    if checksum(body) == _VALUES.get(sentence[-2:]) and sentence[-3:-2] == b"*" and sentence[0] in _STARTS:
+        return body
+    if b"*" not in sentence:
+        return Fault.NO_CHECKSUM
+    well_formed = sentence[-3:-2] == b"*" and sentence[-2:] in _VALUES and sentence[0] in _STARTS
+    return Fault.WRONG_CHECKSUM if well_formed else Fault.MALFORMED
 
 
 def seal(body: str) -> bytes:
@@ -59,7 +61,7 @@ def seal(body: str) -> bytes:
 
     Raises EncodeError if that makes more than the 82 characters a listener must be able to take.
     """
-    data = body.encode("ascii")
+    data = body.encode()
     if len(data) > LONGEST - 6:
         raise EncodeError(f"{body[:5]}: {len(data) + 6} characters, a sentence has at most {LONGEST}")
     return b"$" + data + _ENDINGS[checksum(data)]

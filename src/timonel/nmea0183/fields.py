@@ -1,13 +1,14 @@
 """The kinds of fields a sentence is declared with, and the lines of code each of them becomes.
 
-A kind covers one or more comma-separated fields (`wires`) and one attribute. `read` and `write` return Python
-statements; `sentence.py` joins them to one parser and one writer a sentence type. In the statements of `read`,
-`ValueError` and `KeyError` mean a malformed field. Empty fields are None in both directions.
+A kind covers one or more comma-separated fields (`wires`) and one attribute. `read` and `write` return
+Python statements; `sentence.py` joins them to one parser and one writer a sentence type. In the statements of
+`read`, `ValueError` and `KeyError` mean a malformed field. Empty fields are None in both directions.
 """
 
 import datetime
 import re
 from enum import StrEnum
+from functools import lru_cache
 
 import msgspec
 
@@ -20,6 +21,9 @@ GUARD = bytes(byte | 0x80 if byte in _GUARDED else byte for byte in range(256))
 _UNGUARD = bytes(byte & 0x7F for byte in range(256))
 
 _RESERVED = re.compile(r"[!$*,\\^~]|[^ -~]")
+_MINUTES = tuple(f"{hour:02d}{minute:02d}" for hour in range(24) for minute in range(60))
+_MINUTE_OF_DAY = {text.encode(): minute for minute, text in enumerate(_MINUTES)}
+
 _ESCAPE = re.compile(r"\^([0-9A-Fa-f]{2})")
 
 
@@ -46,7 +50,7 @@ class Field(msgspec.Struct, frozen=True):
         raise NotImplementedError
 
     def write(self, value: str, out: str, label: str) -> str:
-        """Statements that set the variable `out` to the text of the fields from the variable `value`."""
+        """Statements that set the variable `out` to the fields' text, commas first, from `value`."""
         raise NotImplementedError
 
 
@@ -63,7 +67,8 @@ class Number(Field, frozen=True):
     """A decimal number `low`..`high` and, if it has one, the letter of its unit in the field behind it.
 
     The letter is written beside an empty value too (some readers tell old formats by it), unless `keep_unit`
-    is off; it may be empty when read, but not another one. Above `ceiling` that is written (RMB).
+    is off; it may be empty when read, but not another one. Above `ceiling` that is written (RMB). An
+    `optional` number is the last field and left out when None.
     """
 
     decimals: int
@@ -72,6 +77,7 @@ class Number(Field, frozen=True):
     unit: str = ""
     keep_unit: bool = True
     ceiling: float | None = None
+    optional: bool = False
 
     @property
     def wires(self) -> int:
@@ -94,11 +100,11 @@ else:
 
     def write(self, value: str, out: str, label: str) -> str:
         unit = f",{self.unit}" if self.unit else ""
-        empty = unit if self.keep_unit or not unit else ","
+        empty = "" if self.optional else "," + (unit if self.keep_unit else "," * len(unit[:1]))
         limited = value if self.ceiling is None else f"min({value}, {self.ceiling})"
         return f"""
 if {value} is None: {out} = {empty!r}
-elif {self.low} <= {value} <= {self.high}: {out} = f"{{{limited}:z.{self.decimals}f}}{unit}"
+elif {self.low} <= {value} <= {self.high}: {out} = f",{{{limited}:z.{self.decimals}f}}{unit}"
 else: raise out_of_range({label!r}, {value}, {self.low}, {self.high})"""
 
 
@@ -111,7 +117,7 @@ class Angle(Number, frozen=True):
 
     def write(self, value: str, out: str, label: str) -> str:
         unit = f",{self.unit}" if self.unit else ""
-        full, zero = (f"{turn:.{self.decimals}f}{unit}" for turn in (360, 0))
+        full, zero = (f",{turn:.{self.decimals}f}{unit}" for turn in (360, 0))
         return super().write(value, out, label) + f"\nif {out} == {full!r}: {out} = {zero!r}"
 
 
@@ -154,11 +160,11 @@ else:
         unit = f",{self.unit}" if self.unit else ""
         magnitude = f"abs({value})" if self.ceiling is None else f"min(abs({value}), {self.ceiling})"
         positive, negative = (f",{letter}{unit}" for letter in (self.positive, self.negative))
-        zero = f"{0:.{self.decimals}f}"
+        zero = f",{0:.{self.decimals}f}"
         return f"""
-if {value} is None: {out} = {"," + unit!r}
+if {value} is None: {out} = {",," + unit!r}
 elif {-self.high} <= {value} <= {self.high}:
-    {out} = f"{{{magnitude}:.{self.decimals}f}}"
+    {out} = f",{{{magnitude}:.{self.decimals}f}}"
     {out} += {negative!r} if {value} < 0 and {out} != {zero!r} else {positive!r}
 else: raise out_of_range({label!r}, {value}, {-self.high}, {self.high})"""
 
@@ -189,16 +195,16 @@ else:
     {out} = None"""
 
     def write(self, value: str, out: str, label: str) -> str:
-        width = len(str(self.limit))
+        point = len(str(self.limit)) + 3
+        one = 10 ** (point + 5)
         return f"""
-if {value} is None: {out} = ","
+if {value} is None: {out} = ",,"
 elif {-self.limit} <= {value} <= {self.limit}:
     micro = round({value} * 60e6)
     if micro < 0: micro = -micro; hemisphere = ",{self.negative}"
     else: hemisphere = ",{self.positive}"
-    micro += micro // 60000000 * 40000000
-    {out} = f"{{micro:0{width + 8}d}}"
-    {out} = {out}[:{width + 2}] + "." + {out}[{width + 2}:] + hemisphere
+    digits = str(micro + micro // 60000000 * 40000000 + {one})
+    {out} = f",{{digits[1:{point}]}}.{{digits[{point}:]}}{{hemisphere}}"
 else: raise out_of_range({label!r}, {value}, {-self.limit}, {self.limit})"""
 
 
@@ -228,20 +234,17 @@ class TimeOfDay(Field, frozen=True):
 
     def write(self, value: str, out: str, label: str) -> str:
         return f"""
-if {value} is None: {out} = ""
-elif 0.0 <= {value} < 86401.0: {out} = clock_text({value})
+if {value} is None: {out} = ","
+elif 0.0 <= {value} < 86401.0: {out} = "," + clock_text({value})
 else: raise out_of_range({label!r}, {value}, 0, 86401)"""
 
 
 def seconds_of(text: bytes) -> float:
     """Seconds of the day from `hhmmss` or `hhmmss.ss`."""
-    whole, fraction = text[:6], text[6:]
-    if len(whole) != 6 or not whole.isdigit() or (fraction and fraction[:1] != b"."):
+    minute, second = _MINUTE_OF_DAY[text[:4]], float(text[4:])
+    if not text[4:6].isdigit() or text[6:7] not in b"." or second >= 60.0 + (minute == 1439):
         raise ValueError
-    minute_of_day, second = int(whole[:2]) * 60 + int(whole[2:4]), int(whole[4:])
-    if whole[2:4] > b"59" or minute_of_day > 1439 or second > 59 + (minute_of_day == 1439):
-        raise ValueError
-    return minute_of_day * 60 + second + (float(fraction) if fraction != b"." and fraction else 0.0)
+    return minute * 60 + second
 
 
 def clock_text(seconds: float) -> str:
@@ -249,10 +252,9 @@ def clock_text(seconds: float) -> str:
     hundredths = round(seconds * 100.0)
     if hundredths >= 8640000:
         return _last_minute_text(seconds, hundredths)
-    whole, fraction = divmod(hundredths, 100)
-    minutes, second = divmod(whole, 60)
-    text = f"{minutes // 60 * 10000 + minutes % 60 * 100 + second:06d}"
-    return f"{text}.{fraction:02d}" if fraction else text
+    minute, rest = divmod(hundredths, 6000)
+    digits = str(10000 + rest)
+    return _MINUTES[minute] + digits[1:3] + ("." + digits[3:] if rest % 100 else "")
 
 
 def _last_minute_text(seconds: float, hundredths: int) -> str:
@@ -274,17 +276,23 @@ class Date(Field, frozen=True):
 
     def write(self, value: str, out: str, label: str) -> str:
         return f"""
-if {value} is None: {out} = ""
+if {value} is None: {out} = ","
 elif 1980 <= {value}.year <= 2079:
-    {out} = f"{{{value}.day * 10000 + {value}.month * 100 + {value}.year % 100:06d}}"
+    {out} = date_text({value})
 else: raise out_of_range({label!r}, {value}.year, 1980, 2079)"""
 
 
+@lru_cache(maxsize=8)  # a date stays for a day
 def date_of(text: bytes) -> datetime.date:
     if len(text) != 6 or not text.isdigit():
         raise ValueError
     year = int(text[4:])
     return datetime.date(year + (1900 if year >= 80 else 2000), int(text[2:4]), int(text[:2]))
+
+
+@lru_cache(maxsize=8)
+def date_text(date: datetime.date) -> str:
+    return date.strftime(",%d%m%y")
 
 
 class Integer(Field, frozen=True):
@@ -308,16 +316,20 @@ else:
 
     def write(self, value: str, out: str, label: str) -> str:
         return f"""
-if {value} is None: {out} = ""
-elif {self.low} <= {value} <= {self.high}: {out} = f"{{{value}:0{{{self.digits} + ({value} < 0)}}d}}"
+if {value} is None: {out} = ","
+elif {self.low} <= {value} <= {self.high}: {out} = f",{{{value}:0{{{self.digits} + ({value} < 0)}}d}}"
 else: raise out_of_range({label!r}, {value}, {self.low}, {self.high})"""
 
 
 class Letter(Field, frozen=True):
-    """One letter of a list. An unknown one is malformed, or read as `otherwise` where that is given."""
+    """One letter of a list. An unknown one is malformed, or read as `otherwise` where that is given.
+
+    An `optional` one is the last field of newer editions; None leaves it out.
+    """
 
     choices: type[StrEnum]
     otherwise: StrEnum | None = None
+    optional: bool = False
 
     @property
     def names(self) -> dict[str, object]:
@@ -334,7 +346,7 @@ class Letter(Field, frozen=True):
         return f"{out} = {known} if {wire[0]} else None"
 
     def write(self, value: str, out: str, label: str) -> str:
-        return f'{out} = {value} or ""'
+        return f'{out} = "," + {value} if {value} else "{"" if self.optional else ","}"'
 
 
 class Mode(StrEnum):
@@ -369,11 +381,12 @@ class Status(Field, frozen=True):
         return "A/V"
 
     def read(self, wire: list[str], out: str) -> str:
-        return f"{out} = {wire[0]} == b'A' if {wire[0]} else None"
+        allowed = f" and {self.mode} in VALID_MODES" if self.mode else ""
+        return f"{out} = {wire[0]} == b'A'{allowed} if {wire[0]} else None"
 
     def write(self, value: str, out: str, label: str) -> str:
         allowed = f" and sentence.{self.mode} in VALID_MODES" if self.mode else ""
-        return f'{out} = "" if {value} is None else "A" if {value}{allowed} else "V"'
+        return f'{out} = "," if {value} is None else ",A" if {value}{allowed} else ",V"'
 
 
 class Text(Field, frozen=True):
@@ -387,7 +400,7 @@ class Text(Field, frozen=True):
         return f"{out} = text_of({wire[0]}) if {wire[0]} else None"
 
     def write(self, value: str, out: str, label: str) -> str:
-        return f'{out} = escaped({value}, {label!r}) if {value} else ""'
+        return f'{out} = "," + escaped({value}, {label!r}) if {value} else ","'
 
 
 def text_of(wire: bytes) -> str:

@@ -64,7 +64,7 @@ class SentenceFramer:
         return b"" if start < 0 else line[start:]
 
     def _bounded(self, rest: bytes) -> bytes:
-        """What must be kept of an unfinished line; one byte too many is enough to know that it is overlong."""
+        """What must be kept of an unfinished line; one byte too many is enough to know it is overlong."""
         if len(rest) <= self.longest:
             return rest
         start = max(rest.rfind(b"$"), rest.rfind(b"!"))

@@ -1,15 +1,14 @@
 """What all typed sentences have in common: the declaration is the layout, parser and writer come from it.
 
 ```python
-class HDT(Sentence):
-    heading_deg: Annotated[float | None, Angle(unit="T")]
+class HDT(Sentence, frozen=True):
+    heading_deg: Annotated[float | None, Angle(unit="T")] = None
 ```
-The class's name is the formatter. Attributes stand in the order of the fields, in the sentence's own units, and
-are None where the field is empty. Parser and writer are written as Python text on first use and compiled; this
-is what keeps them within a few microseconds.
+The class's name is the formatter. Attributes stand in the order of the fields, in the sentence's own units,
+and are None where the field is empty. Parser and writer are written as Python text on first use and compiled;
+this is what keeps them within a few microseconds.
 """
 
-from collections.abc import Callable
 from textwrap import indent
 from typing import Any, Self, get_type_hints
 
@@ -17,21 +16,24 @@ import msgspec
 
 from timonel.nmea0183 import fields
 from timonel.nmea0183.checksum import seal
-from timonel.nmea0183.fields import Field
-
-Reader = Callable[[list[bytes]], Any]
-Writer = Callable[[Any, str], str]
+from timonel.nmea0183.fields import Field, Status
 
 
 class Sentence(msgspec.Struct, frozen=True, gc=False):
     """Base of all typed sentences."""
+
+    def __init_subclass__(cls) -> None:
+        for method in (_encode_first, _read_first):  # a class never inherits the code of its base
+            name = method.__name__.split("_")[1]
+            if name not in vars(cls):
+                setattr(cls, name, classmethod(method) if method is _read_first else method)
 
     def encode(self, talker: str = "II") -> bytes:
         """The sentence to send, with check sum and CR LF.
 
         Raises EncodeError for a value outside its field or a sentence of more than 82 characters.
         """
-        return seal(_WRITERS[type(self)](self, talker))
+        raise NotImplementedError
 
     @classmethod
     def read(cls, wires: list[bytes]) -> Self | None:
@@ -39,8 +41,19 @@ class Sentence(msgspec.Struct, frozen=True, gc=False):
 
         Fields missing at the end are empty (older editions have fewer), those in excess are not looked at.
         """
-        sentence: Self | None = READERS[cls](wires)
-        return sentence
+        raise NotImplementedError
+
+
+def _encode_first(sentence: Sentence, talker: str = "II") -> bytes:
+    cls = type(sentence)
+    cls.encode = _compiled("encode", encode_source(cls), cls)  # type: ignore[method-assign]
+    return cls.encode(sentence, talker)
+
+
+def _read_first(cls: type[Sentence], wires: list[bytes]) -> Sentence | None:
+    cls.read = staticmethod(_compiled("read", read_source(cls), cls))  # type: ignore[method-assign]
+    sentence: Sentence | None = cls.read(wires)
+    return sentence
 
 
 def layout(sentence: type[Sentence]) -> dict[str, Field]:
@@ -49,66 +62,43 @@ def layout(sentence: type[Sentence]) -> dict[str, Field]:
     return {name: hints[name].__metadata__[0] for name in sentence.__struct_fields__}
 
 
-def _compile(source: str, name: str, kinds: dict[str, Field], sentence: type[Sentence]) -> Any:
-    namespace = dict(vars(fields))
-    for kind in kinds.values():
+def _compiled(name: str, source: str, sentence: type[Sentence]) -> Any:
+    namespace = vars(fields) | {"cls": sentence, "seal": seal}
+    for kind in layout(sentence).values():
         namespace |= kind.names
-    namespace["cls"] = sentence
     exec(compile(source, f"<{sentence.__name__}.{name}>", "exec"), namespace)
     return namespace[name]
 
 
-def reader_source(sentence: type[Sentence]) -> str:
-    """The text of the parser."""
+def read_source(sentence: type[Sentence]) -> str:
+    """The text of the parser. A status comes last, for the mode has a say in it."""
     kinds = layout(sentence)
     wires = [f"w{index}" for index in range(sum(kind.wires for kind in kinds.values()))]
-    statements, first = [], 0
-    for name, kind in sorted(kinds.items(), key=lambda item: isinstance(item[1], fields.Status)):
-        first = _first_wire(kinds, name)
-        statements.append(kind.read(wires[first : first + kind.wires], name))
+    left, statements = iter(wires), []
+    for name, kind in kinds.items():
+        statements.append((isinstance(kind, Status), kind.read([next(left) for _ in range(kind.wires)], name)))
+    body = "\n".join(statement for _, statement in sorted(statements, key=lambda entry: entry[0]))
     return f"""
 def read(wires):
     if len(wires) != {len(wires)}: wires = (wires + [b""] * {len(wires)})[:{len(wires)}]
     {", ".join(wires)}, = wires
     try:
-{indent(chr(10).join(statements), " " * 8)}
+{indent(body, " " * 8)}
     except (ValueError, KeyError):
         return None
     return cls({", ".join(kinds)})
 """
 
 
-def _first_wire(kinds: dict[str, Field], name: str) -> int:
-    before = list(kinds)[: list(kinds).index(name)]
-    return sum(kinds[other].wires for other in before)
-
-
-def writer_source(sentence: type[Sentence]) -> str:
-    """The text of the writer."""
-    kinds = layout(sentence)
-    statements = [
-        f"value = sentence.{name}\n" + kind.write("value", f"w{index}", f"{sentence.__name__}.{name}")
-        for index, (name, kind) in enumerate(kinds.items())
-    ]
-    texts = ",".join(f"{{w{index}}}" for index in range(len(kinds)))
+def encode_source(sentence: type[Sentence]) -> str:
+    """The text of the writer. The text of each field begins with its comma."""
+    statements, texts = [], ""
+    for index, (name, kind) in enumerate(layout(sentence).items()):
+        write = kind.write("value", f"w{index}", f"{sentence.__name__}.{name}")
+        statements.append(f"value = sentence.{name}\n{write}")
+        texts += f"{{w{index}}}"
     return f"""
-def write(sentence, talker):
+def encode(sentence, talker="II"):
 {indent(chr(10).join(statements), " " * 4)}
-    return f"{{talker}}{sentence.__name__},{texts}"
+    return seal(f"{{talker}}{sentence.__name__}{texts}")
 """
-
-
-class _Readers(dict[type[Sentence], Reader]):
-    def __missing__(self, sentence: type[Sentence]) -> Reader:
-        self[sentence] = reader = _compile(reader_source(sentence), "read", layout(sentence), sentence)
-        return reader  # type: ignore[no-any-return]
-
-
-class _Writers(dict[type[Sentence], Writer]):
-    def __missing__(self, sentence: type[Sentence]) -> Writer:
-        self[sentence] = writer = _compile(writer_source(sentence), "write", layout(sentence), sentence)
-        return writer  # type: ignore[no-any-return]
-
-
-READERS: dict[type[Sentence], Reader] = _Readers()
-_WRITERS: dict[type[Sentence], Writer] = _Writers()

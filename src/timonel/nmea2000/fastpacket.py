@@ -4,9 +4,9 @@
     index 0: byte 1 is the length, 6 bytes of the message follow; all others: 7 bytes
 
 A reassembler must never join frames of two messages: half of one heading-to-steer and half of the next is a
-course that nobody ordered (spec/boat.md, rule 10). Frames carry nothing that says which message they are of but
-a counter that comes round after eight messages, and that some senders never turn. So a frame is taken only if it
-is where a frame of the same message would be, in time and in order; in doubt the message is lost, and counted.
+course that nobody ordered (spec/boat.md, rule 10). Which message a frame is of, only a counter says that
+comes round after eight messages, and that some senders never turn. So a frame is taken only if it is where a
+frame of the same message would be, in time and in order; in doubt the message is lost, and counted.
 
     a slot is (source, destination, PGN, sequence counter), and lives while
         its first frame is younger than `max_age` (250 ms) and its last one not older than `max_gap` (100 ms)
@@ -34,10 +34,10 @@ What holds, whatever is lost, and whichever neighbours are exchanged:
       frames of the busiest recordings follow within 25 ms, and a turning counter keeps the messages of a slot
       eight apart.)
     - Closer ones, which takes a counter that stands still, are joined wrongly only after two faults at least:
-      two lost frames, or a lost and an exchanged one. For messages of four frames, as 127237: three lost frames,
-      or two lost and an exchanged one.
-    - No rule can do better than count: if the end of one message and the beginning of the next are lost within
-      `max_gap`, what remains is a faultless message.
+      two lost frames, or a lost and an exchanged one. For messages of four frames, as 127237: three lost
+      frames, or two lost and an exchanged one.
+    - No rule can do better than count: if the end of one message and the beginning of the next are lost
+      within `max_gap`, what remains is a faultless message.
 """
 
 import msgspec
@@ -80,9 +80,9 @@ class _Slot(msgspec.Struct, gc=False):
     first: float  # when its first frame came
     last: float  # when its last frame came
     next: int  # index that the next frame should have
-    frames: list[bytes]  # in order, without gaps
+    parts: list[bytes]  # what its frames carry, in order: the length, then the message
     end: int = 0  # number of frames of the message
-    ahead: bytes | None = None  # the frame after `next`, come early
+    ahead: bytes | None = None  # the frame after `next`, come early; of a lost message, its latest frame
     exchangeable: bool = True
 
 
@@ -122,7 +122,7 @@ class Reassembler:
         slot.last = now
         if index != slot.next or slot.ahead is not None or len(data) != 8:
             return self._out_of_place(key, slot, index, data, now)
-        slot.frames.append(data)
+        slot.parts.append(data[1:])
         slot.next = index + 1
         return self._complete(key, slot) if slot.next == slot.end else None
 
@@ -142,7 +142,7 @@ class Reassembler:
         if index == 0:
             return self._start(key, data, now)
         if index == 1 and len(data) == 8:
-            self._keep(key, _Slot(now, now, 0, [], ahead=data))
+            self._keep(key, _Slot(now, now, 0, [], 0, data))
         else:
             self.counters.headless += 1
         return None
@@ -150,18 +150,18 @@ class Reassembler:
     def _start(self, key: int, data: bytes, now: float, exchangeable: bool = True) -> bytes | None:
         """A message's frame 0."""
         end = _end(data)
+        if end > 1:
+            self._keep(key, _Slot(now, now, 1, [data[1:]], end, None, exchangeable))
+            return None
         if end == 0:
             self.counters.malformed += 1
             return None
-        if end == 1:
-            self.counters.completed += 1
-            return data[2 : 2 + data[1]]
-        self._keep(key, _Slot(now, now, 1, [data], end, None, exchangeable))
-        return None
+        self.counters.completed += 1
+        return data[2 : 2 + data[1]]
 
     def _out_of_place(self, key: int, slot: _Slot, index: int, data: bytes, now: float) -> bytes | None:
         """A frame in a live slot that is not simply the next one."""
-        if data == (slot.ahead or slot.frames[-1]):
+        if _repeated(slot, index, data):
             self.counters.duplicates += 1
         elif index == 0:
             return self._restart(key, slot, data, now)
@@ -186,7 +186,9 @@ class Reassembler:
         del self._slots[key]
         message = self._start(key, data, now, exchangeable=early)
         if early and end > 2:
-            self._take_ahead(self._slots[key], slot.ahead)
+            started = self._slots[key]
+            started.first = slot.first
+            self._take_ahead(started, slot.ahead)
         return message
 
     def _fill(self, key: int, slot: _Slot, data: bytes) -> bytes | None:
@@ -194,7 +196,7 @@ class Reassembler:
         if len(data) < 8 and slot.next + 1 < slot.end:
             self._lose(slot, data)
             return None
-        slot.frames.append(data)
+        slot.parts.append(data[1:])
         slot.next += 1
         self._take_ahead(slot, slot.ahead)
         return self._complete(key, slot) if slot.next == slot.end else None
@@ -202,14 +204,14 @@ class Reassembler:
     def _take_ahead(self, slot: _Slot, ahead: bytes | None) -> None:
         if ahead is None:
             return
-        slot.frames.append(ahead)
+        slot.parts.append(ahead[1:])
         slot.ahead = None
         slot.next += 1
         self.counters.exchanged += 1
 
     def _complete(self, key: int, slot: _Slot) -> bytes | None:
         del self._slots[key]
-        data = b"".join([frame[1:] for frame in slot.frames])
+        data = b"".join(slot.parts)
         if len(data) <= data[0]:
             self.counters.malformed += 1
             return None
@@ -219,7 +221,7 @@ class Reassembler:
     def _lose(self, slot: _Slot, data: bytes) -> None:
         """The message is lost; what stays of it keeps its later frames out of the next."""
         self.counters.broken += 1
-        slot.next, slot.frames, slot.end, slot.ahead = _SPENT, [data], 0, None
+        slot.next, slot.parts, slot.end, slot.ahead = _SPENT, [], 0, data
 
     def _keep(self, key: int, slot: _Slot) -> None:
         if len(self._slots) >= self._max_slots:
@@ -240,6 +242,12 @@ def fragment(payload: bytes, sequence: int) -> list[bytes]:
     for index, start in enumerate(range(6, len(payload), 7), 1):
         frames.append(bytes((counter | index,)) + payload[start : start + 7].ljust(7, b"\xff"))
     return frames
+
+
+def _repeated(slot: _Slot, index: int, data: bytes) -> bool:
+    if slot.ahead is not None:
+        return data == slot.ahead
+    return index == slot.next - 1 and data[1:] == slot.parts[-1]
 
 
 def _end(first: bytes) -> int:

@@ -4,7 +4,7 @@
     bits 24..25  data page, reserved    bits  8..15  PDU specific (PS)
 
 PF below 240 is PDU1: PS is the destination and the PGN ends in 00. From 240 on it is PDU2: PS belongs to the
-PGN and everybody is meant. Source: ISO 11783-3 / SAE J1939-21, as canboat's `getISO11783BitsFromCanId` has it.
+PGN and everybody is meant. Source: ISO 11783-3, as canboat's `getISO11783BitsFromCanId` has it.
 """
 
 from functools import lru_cache

@@ -54,15 +54,15 @@ class Helm:
             case parp.Verb.DISENGAGE:
                 return self.pilot.disengage(now)
             case parp.Verb.SETHEADING:
-                return self.pilot.set_heading(command.parameter, station, now)
+                return self.pilot.set_heading(command.heading_tenths or 0, station, now)
             case turn:
                 return self.pilot.turn(TURNS[turn], station, now)
 
     @property
     def deadline(self) -> float:
         """When `expire` should be called, s."""
-        times = (self.transfer.deadline, self.alerts.deadline)
-        return min(self.pilot.deadline, *(time for time in times if time is not None))
+        times = (self.pilot.deadline, self.transfer.deadline, self.alerts.deadline)
+        return min(time for time in times if time is not None)
 
     def expire(self, now: float) -> list[Event]:
         """What the passing of time brings about."""

@@ -1,0 +1,49 @@
+"""`timonel`: the programs. Each is imported when it is called, so that help and version come at once."""
+
+import sys
+from importlib import import_module
+from typing import Any
+
+import click
+
+from timonel import __version__
+from timonel.errors import ConfigError, TimonelError
+
+PROGRAMS = {
+    "run": ("timonel.cli.run:run", "Run the gateway that a configuration describes."),
+    "check": ("timonel.cli.check:check", "Tell everything that is wrong in a configuration."),
+    "convert": ("timonel.cli.convert:convert", "Turn a recording of a bus into NMEA 0183."),
+    "demo": ("timonel.cli.demo:demo", "Run the gateway on a simulated boat."),
+    "station": ("timonel.cli.station:station", "Be a helm station, with the keyboard."),
+}
+
+
+class Programs(click.Group):
+    """Subcommands that are imported when they are called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(PROGRAMS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in PROGRAMS:
+            return None
+        module, _, name = PROGRAMS[cmd_name][0].partition(":")
+        command: click.Command = getattr(import_module(module), name)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, text) for name, (_, text) in PROGRAMS.items()])
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except TimonelError as error:
+            click.echo(error, err=True)
+            sys.exit(2 if isinstance(error, ConfigError) else 1)
+
+
+@click.group(cls=Programs, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="timonel")
+def main() -> None:
+    """The command gateway between helm stations and a boat's NMEA 2000 bus."""

@@ -1,0 +1,254 @@
+"""The configuration of a gateway: a TOML file that is understood as a whole or not at all.
+
+`docs/configuration.md` describes every key, `docs/boat.toml` shows them. All mistakes are told at once.
+"""
+
+import os
+import tomllib
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_type_hints
+
+import msgspec
+
+from timonel.errors import ConfigError, LinkError
+from timonel.gateway.mistakes import Mistakes, convert, did_you_mean, syntax_error, written
+from timonel.links import urls
+from timonel.vehicles.boat.conversion import RATES
+from timonel.vehicles.boat.settings import BoatSettings, Hertz, Port
+
+Table = dict[str, Any]
+Keys = dict[str, Any]
+
+StationId = Annotated[int, msgspec.Meta(ge=1, le=4)]
+FLUSH_SECONDS = {"0ms": 0.0, "2ms": 0.002, "5ms": 0.005}
+
+_BOAT = get_type_hints(BoatSettings, include_extras=True)
+_ADDRESS = _BOAT.pop("address")
+_BOAT.pop("rates")
+
+TABLES: dict[str, Keys] = {
+    "vehicle": {"kind": Literal["boat"], **_BOAT},
+    "bus": {"url": str, "address": _ADDRESS},
+    "sentences": dict.fromkeys(RATES, bool | Hertz),
+    "gateway": {"flush": Literal["0ms", "2ms", "5ms"], "log": Literal["debug", "info", "warning", "error"]},
+}
+LISTS: dict[str, Keys] = {
+    "station": {"id": StationId, "name": str, "url": str, "in": str, "out": str, "shared": bool},
+    "output": {"url": str, "name": str},
+}
+KEYS = TABLES | LISTS
+
+
+class Station(msgspec.Struct, frozen=True):
+    """A station's port and its links: `receive_url` is what it says, `send_url` what it hears.
+
+    Both are the same where one link does both; None where there is none.
+    """
+
+    port: Port
+    receive_url: str | None
+    send_url: str | None
+
+
+class Output(msgspec.Struct, frozen=True):
+    """A link for listeners that never command."""
+
+    name: str
+    url: str
+
+
+class Configuration(msgspec.Struct, frozen=True):
+    """A whole configuration, understood; `flush` is in s, `log` the least severe level that is logged."""
+
+    file: str
+    vehicle: BoatSettings
+    bus_url: str
+    stations: tuple[Station, ...] = ()
+    outputs: tuple[Output, ...] = ()
+    flush: float = 0.0
+    log: str = "info"
+
+
+def load(path: str | Path) -> Configuration:
+    """Read a configuration; raises ConfigError with one line for each mistake."""
+    try:
+        text = Path(path).read_bytes().decode()
+    except OSError as fault:
+        raise ConfigError(f"{path}: {fault.strerror}") from fault
+    except UnicodeDecodeError as fault:
+        raise ConfigError(f"{path}: not UTF-8 text (byte {fault.start})") from fault
+    return parse(text, str(path))
+
+
+def parse(text: str, file: str = "boat.toml") -> Configuration:
+    """Understand the text of a configuration called `file`; raises as `load`."""
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as fault:
+        raise syntax_error(file, text, fault) from fault
+    mistakes = Mistakes(file, text)
+    configuration = _Reader(document, mistakes).configuration(file)
+    if mistakes:
+        raise mistakes.error()
+    return configuration
+
+
+class _Reader:
+    """Goes through all tables; what is wrong is noted and left out, so that the rest is looked at too."""
+
+    def __init__(self, document: Table, mistakes: Mistakes) -> None:
+        self._wrong = mistakes.add
+        for name in document.keys() - KEYS.keys():
+            self._wrong(name, f"unknown table{did_you_mean(name, KEYS)}")
+        self._tables = {name: self._table(document, name) for name in TABLES}
+        self._lists = {name: self._list(document, name) for name in LISTS}
+
+    def _table(self, document: Table, name: str) -> Table:
+        table = document.get(name, {})
+        if not isinstance(table, dict):
+            self._wrong(name, f"{written(table)} should be a table: [{name}]")
+            return {}
+        return table
+
+    def _list(self, document: Table, name: str) -> list[Table]:
+        tables = document.get(name, [])
+        if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
+            self._wrong(name, f"should stand in double brackets: [[{name}]]")
+            return []
+        return tables
+
+    def configuration(self, file: str) -> Configuration:
+        vehicle = self._values("vehicle", self._tables["vehicle"], TABLES["vehicle"])
+        bus = self._values("bus", self._tables["bus"], TABLES["bus"])
+        gateway = self._values("gateway", self._tables["gateway"], TABLES["gateway"])
+        self._require("vehicle.kind", vehicle.pop("kind", None), 'say which: "boat"')
+        self._require("bus.url", url := bus.pop("url", None), "a bus is needed, like socketcan://can0")
+        configuration = Configuration(
+            file=file,
+            vehicle=BoatSettings(**vehicle, **bus, rates=self._rates()),
+            bus_url=url or "",
+            stations=self._stations(),
+            outputs=self._outputs(),
+            flush=FLUSH_SECONDS[gateway.get("flush", "0ms")],
+            log=gateway.get("log", "info"),
+        )
+        self._check_as_a_whole(configuration)
+        return configuration
+
+    def _values(self, place: str, table: Table, keys: Keys) -> Table:
+        """The values of a table that are right."""
+        values = {}
+        for key, value in table.items():
+            if key not in keys:
+                self._wrong(f"{place}.{key}", f"unknown key{_belongs(key) or did_you_mean(key, keys)}")
+                continue
+            try:
+                values[key] = convert(value, keys[key])
+            except ValueError as fault:
+                self._wrong(f"{place}.{key}", str(fault))
+        return values
+
+    def _require(self, key: str, value: object, text: str) -> None:
+        section, _, name = key.rpartition(".")
+        if value is None and name not in self._tables[section]:
+            self._wrong(key, f"missing; {text}")
+
+    def _rates(self) -> dict[str, float]:
+        """Ceilings in Hz. `true` is the sentence's own rate, `false` none of it."""
+        given = self._values("sentences", self._tables["sentences"], TABLES["sentences"])
+        return {key: (RATES[key] or 1.0) if value is True else float(value) for key, value in given.items()}
+
+    def _stations(self) -> tuple[Station, ...]:
+        return tuple(
+            self._station(f"station[{number}]", table) for number, table in enumerate(self._lists["station"], 1)
+        )
+
+    def _station(self, place: str, table: Table) -> Station:
+        values = self._values(place, table, LISTS["station"])
+        if "id" not in table and not values.get("shared"):
+            self._wrong(f"{place}.id", "missing; 1..4, or shared = true for a wire that several stations share")
+        if "url" in table and ("in" in table or "out" in table):
+            self._wrong(f"{place}.url", "one link does both; leave out in and out")
+        elif "url" not in table and "in" not in table:
+            self._wrong(f"{place}.in", "missing; what the station says, or url where one link does both")
+        station = None if values.get("shared") else values.get("id")
+        name = values.get("name") or (f"Station {values['id']}" if "id" in values else place)
+        url = values.get("url")
+        return Station(Port(name, station), values.get("in", url), values.get("out", url))
+
+    def _outputs(self) -> tuple[Output, ...]:
+        return tuple(self._output(f"output[{number}]", table) for number, table in enumerate(self._lists["output"], 1))
+
+    def _output(self, place: str, table: Table) -> Output:
+        values = self._values(place, table, LISTS["output"])
+        if "url" not in table:
+            self._wrong(f"{place}.url", "missing; where the listeners are, like tcp-listen://127.0.0.1:10110")
+        return Output(values.get("name") or values.get("url", ""), values.get("url", ""))
+
+    def _check_as_a_whole(self, configuration: Configuration) -> None:
+        if not self._lists["station"] and not self._lists["output"]:
+            self._wrong("station", "missing; without a [[station]] or an [[output]] nobody hears anything")
+        self._check_urls(configuration)
+        self._check_once(
+            (f"station[{number}].id", station.port.station, station.port.station)
+            for number, station in enumerate(configuration.stations, 1)
+        )
+        self._check_once(self._names(configuration))
+        self._check_once((key, _device(url), url) for key, url in _urls(configuration))
+
+    def _check_urls(self, configuration: Configuration) -> None:
+        for key, url in _urls(configuration):
+            try:
+                urls.check(url, "frames" if key == "bus.url" else "bytes")
+            except LinkError as fault:
+                self._wrong(key, str(fault))
+
+    def _names(self, configuration: Configuration) -> Iterator[tuple[str, object, object]]:
+        for number, (table, station) in enumerate(zip(self._lists["station"], configuration.stations, strict=True), 1):
+            key = "name" if "name" in table else "id"
+            yield f"station[{number}].{key}", station.port.name, station.port.name
+        for number, (table, output) in enumerate(zip(self._lists["output"], configuration.outputs, strict=True), 1):
+            if "name" in table:
+                yield f"output[{number}].name", output.name, output.name
+
+    def _check_once(self, values: Iterable[tuple[str, object, object]]) -> None:
+        """Note each (key, value, how it is shown) whose value has a key before it; None may come often."""
+        first: dict[object, str] = {}
+        for key, value, shown in values:
+            if value is not None and (earlier := first.setdefault(value, key)) != key:
+                self._wrong(key, f"{written(shown)} is {earlier} already")
+
+
+def _belongs(key: str) -> str:
+    """Where a key that stands in the wrong table would be right, if that is one place."""
+    places = [name for name, keys in KEYS.items() if key in keys]
+    return f" (it belongs in [{places[0]}])" if len(places) == 1 else ""
+
+
+def _urls(configuration: Configuration) -> Iterator[tuple[str, str]]:
+    """All URLs with their keys, one that does both once."""
+    if configuration.bus_url:
+        yield "bus.url", configuration.bus_url
+    for number, station in enumerate(configuration.stations, 1):
+        both = station.receive_url == station.send_url
+        for key, url in (("url" if both else "in", station.receive_url), ("out", station.send_url)):
+            if url and not (both and key == "out"):
+                yield f"station[{number}].{key}", url
+    for number, output in enumerate(configuration.outputs, 1):
+        if output.url:
+            yield f"output[{number}].url", output.url
+
+
+def _device(url: str) -> object:
+    """What two links cannot both have; None where they can, and for a URL that is not understood."""
+    scheme = url.partition("://")[0]
+    try:
+        place = urls.parse(url).values
+    except LinkError:
+        return None
+    if scheme in ("serial", "slcan"):
+        return os.path.realpath(str(place["path"]))
+    if scheme == "pty":
+        return os.path.abspath(str(place["path"]))
+    return (scheme, place.get("host"), place["port"]) if place.get("port") else None

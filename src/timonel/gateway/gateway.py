@@ -1,0 +1,228 @@
+"""The one loop: what links hear is told to the vehicle, and what the vehicle wants done is done.
+
+```
+heard                      told to the vehicle        done with what it answers
+frames from the bus        receive_frames             Transmit     on the bus, at once
+bytes from a port          receive_bytes              Say, urgent  to the OUT links, at once and ahead of data
+a port came or went        port_changed               Say          to the OUT links, when `flush` says
+its deadline has come      expire                     Event        to health, the log and the observers
+```
+Data lines go out at the end of the batch that brought them about, or with `flush` > 0 together every so many
+seconds, which costs less where there are many listeners. One line is one object for all links.
+
+A fault in our own code is logged with the name of the link whose input it came from, and the rest goes on: a
+display sentence that cannot be made must not take the wheel out of anybody's hands. When `FAULTS` of them come
+within `FAULT_WINDOW` seconds the vehicle's state is not to be trusted any more, and the gateway ends by itself,
+so that its supervisor starts it anew: in STANDBY with nobody in command, and without a word to the pilot, which
+keeps its course until a station takes command.
+
+What runs once a frame is written for speed here.
+"""
+
+import asyncio
+import logging
+from collections import deque
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, Protocol
+
+import msgspec
+
+from timonel.core.effects import Effect, Say, Transmit
+from timonel.core.frame import Frame
+from timonel.gateway.health import Health
+from timonel.links.link import BusLink, ByteLink, Link
+from timonel.vehicles.vehicle import Vehicle
+
+FAULTS = 10
+FAULT_WINDOW = 10.0  # s
+RETRY = 0.1  # s until what is due is tried again after a fault
+SOONEST = 0.001  # s: a deadline that has passed already must not keep the loop from everything else
+
+logger = logging.getLogger("timonel")
+
+
+class Channel(msgspec.Struct, frozen=True):
+    """A station or listener with its links.
+
+    `receive` is what commands come from, None for listeners; `send` is what hears, None for nothing. One link that
+    does both is the same in both places. What a listener says is heard by nobody.
+    """
+
+    name: str
+    receive: ByteLink | None
+    send: ByteLink | None
+
+
+class Observer(Protocol):
+    """Sees everything that goes through, after it has gone through; `now` is the loop's time."""
+
+    def frames_received(self, frames: Sequence[Frame], now: float) -> None:
+        """From the bus."""
+
+    def effect(self, effect: Effect, now: float) -> None:
+        """Something was said, transmitted or happened."""
+
+    def port(self, name: str, connected: bool, now: float) -> None:
+        """A link, by its name, came or went."""
+
+
+class Gateway:
+    """A vehicle, its bus and its channels on the running loop. Made, opened and closed on that loop."""
+
+    def __init__(self, vehicle: Vehicle, bus: BusLink, channels: Sequence[Channel], *, flush: float = 0.0) -> None:
+        self.vehicle = vehicle
+        self.bus = bus
+        self.channels = tuple(channels)
+        self.health = Health()
+        self.observers: list[Observer] = []
+        self.failed = asyncio.Event()
+        """Set when there were too many faults; the gateway should be closed then."""
+        self._flush_after = flush
+        self._outs = [channel.send for channel in channels if channel.send is not None]
+        self._pending: list[Say] = []
+        self._flush_timer: asyncio.TimerHandle | None = None
+        self._deadline_timer: asyncio.TimerHandle | None = None
+        self._armed_for = float("inf")
+        self._faults: deque[float] = deque(maxlen=FAULTS)
+        self._loop = asyncio.get_running_loop()
+        self._closing = False
+        for link in self.links:
+            self.health.watch(link.name, partial(_counters, link))
+
+    @property
+    def links(self) -> list[Link]:
+        """Every link once."""
+        links: list[Link] = [self.bus]
+        for channel in self.channels:
+            links += [link for link in (channel.receive, channel.send) if link is not None]
+        return list({id(link): link for link in links}.values())
+
+    # Life ------------------------------------------------------------------------------------------------
+
+    async def open(self) -> None:
+        """Open all links at once; one that cannot be reached yet keeps none of the others waiting."""
+        self._arm(self.vehicle.deadline)
+        await asyncio.gather(self._open_bus(), *map(self._open_channel, self.channels))
+
+    async def _open_bus(self) -> None:
+        name = self.bus.name
+        changed = partial(self._feed, name, self._link_changed, name)
+        await self.bus.open(partial(self._feed, name, self._frames_received), changed)
+
+    async def _open_channel(self, channel: Channel) -> None:
+        if channel.receive is not None:
+            name = channel.receive.name
+            receive = partial(self._feed, name, self.vehicle.receive_bytes, channel.name)
+            await channel.receive.open(receive, partial(self._feed, name, self._port_changed, channel.name, name))
+        if channel.send is not None and channel.send is not channel.receive:
+            name = channel.send.name
+            await channel.send.open(_unheard, partial(self._feed, name, self._link_changed, name))
+
+    async def close(self, drain: float = 0.5) -> None:
+        """End: send what is waiting, for at most `drain` seconds, and close all links.
+
+        The pilot is left as it is; who restarts a gateway under way does not want the helm to drop.
+        """
+        self._closing = True
+        for timer in (self._deadline_timer, self._flush_timer):
+            if timer is not None:
+                timer.cancel()
+        self._flush()
+        await asyncio.gather(*(link.close(drain) for link in self.links))
+
+    # In --------------------------------------------------------------------------------------------------
+
+    def _frames_received(self, frames: list[Frame], now: float) -> list[Effect]:
+        for observer in self.observers:
+            observer.frames_received(frames, now)
+        return self.vehicle.receive_frames(frames, now)
+
+    def _port_changed(self, port: str, name: str, connected: bool, reason: str, now: float) -> list[Effect]:
+        self._link_changed(name, connected, reason, now)
+        return self.vehicle.port_changed(port, connected, now)
+
+    def _link_changed(self, name: str, connected: bool, reason: str, now: float) -> list[Effect]:
+        self.health.link(name, connected, reason)
+        for observer in self.observers:
+            observer.port(name, connected, now)
+        return []
+
+    def _expire(self) -> None:
+        self._armed_for = float("inf")
+        self._feed("timer", self.vehicle.expire)
+
+    def _feed(self, source: str, tell: Callable[..., list[Effect]], *what: Any) -> None:
+        """Tell the vehicle and do what it answers. The only place that catches everything."""
+        if self._closing:
+            return
+        now = self._loop.time()
+        try:
+            effects = tell(*what, now)
+            if effects:
+                self._carry_out(effects, now)
+            self._arm(self.vehicle.deadline)
+        except Exception:  # noqa: BLE001 - whatever it is, the other stations must go on
+            self._fault(source, now)
+
+    def _arm(self, deadline: float) -> None:
+        """See to it that `expire` is called at `deadline`; a timer that rings earlier is left to ring."""
+        if deadline >= self._armed_for:
+            return
+        if self._deadline_timer is not None:
+            self._deadline_timer.cancel()
+        self._armed_for = deadline
+        self._deadline_timer = self._loop.call_at(max(deadline, self._loop.time() + SOONEST), self._expire)
+
+    def _fault(self, source: str, now: float) -> None:
+        self.health.fault(source)
+        self._faults.append(now)
+        if len(self._faults) == FAULTS and now - self._faults[0] < FAULT_WINDOW:
+            logger.critical("%d faults within %g s: giving up", FAULTS, FAULT_WINDOW)
+            self.failed.set()
+        self._arm(now + RETRY)
+
+    # Out -------------------------------------------------------------------------------------------------
+
+    def _carry_out(self, effects: Sequence[Effect], now: float) -> None:
+        frames: list[Frame] = []
+        urgent: list[Say] = []
+        for effect in effects:
+            if type(effect) is Say:
+                (urgent if effect.urgent else self._pending).append(effect)
+            elif type(effect) is Transmit:
+                frames.append(effect.frame)
+            else:
+                self.health.event(effect, now)
+        if frames:
+            self.bus.send(frames)
+        if urgent:
+            self._send(urgent)
+        if self._pending:
+            self._flush_in_time()
+        for observer in self.observers:
+            for effect in effects:
+                observer.effect(effect, now)
+
+    def _flush_in_time(self) -> None:
+        if not self._flush_after:
+            self._flush()
+        elif self._flush_timer is None:
+            self._flush_timer = self._loop.call_later(self._flush_after, self._flush)
+
+    def _flush(self) -> None:
+        self._flush_timer = None
+        lines, self._pending = self._pending, []
+        self._send(lines)
+
+    def _send(self, lines: list[Say]) -> None:
+        for link in self._outs:
+            link.send(lines)
+
+
+def _counters(link: Link) -> dict[str, int]:
+    return msgspec.structs.asdict(link.counters)
+
+
+def _unheard(_: bytes) -> None:
+    """What a listener says."""

@@ -1,0 +1,82 @@
+"""can-utils' candump, as it logs (`-L`, `-l`) and as it prints, with and without times.
+
+    (1620807235.135072) can0 09F8017F#3E17B322B320590D          -L
+      can0  09F8017F   [8]  3E 17 B3 22 B3 20 59 0D             no option
+     (1676902769.342282)  can0  09F8017F   [8]  3E 17 ...    -t a; -t z: from 0; -t d: from the line before
+     (2023-02-20 16:17:04.590873)  can0  09F8017F   [8]  ...    -t A
+
+Source: can-utils `lib.c`, `candump.c`. Remote requests, error frames and CAN FD carry no data of this kind.
+"""
+
+import re
+from collections.abc import Sequence
+from itertools import pairwise
+
+from timonel.recording.lines import DateTime, LogFrame, is_comment
+
+_ERROR = 0x20000000  # CAN_ERR_FLAG
+_A_DAY = 86400.0
+
+_PRINTED = re.compile(
+    r"\s*(?:\(([^)]+)\)\s+)?[\w.-]+\s+(?:[RT]X\s+\S+\s+\S+\s+)?([0-9A-F]{3}|[0-9A-F]{8})\s+\[(\d)\]\s*(.*)",
+    re.IGNORECASE,
+)
+
+
+class Candump:
+    """Lines of candump."""
+
+    name = "candump"
+
+    def __init__(self, sample: Sequence[str]) -> None:
+        self._date_time = DateTime()
+        self._deltas = _are_deltas(sample)
+        self._elapsed = 0.0
+
+    def read(self, line: str) -> LogFrame | None:
+        """A frame; None for a comment, a remote request or an error frame. ValueError for any other line."""
+        if line[:1] == "(" and "#" in line:
+            stamp, _, frame = line.split(None, 2)
+            identifier, data = frame.split("#")
+            return _frame(float(stamp[1:-1]), identifier, data.rstrip(" RT") if data[-2:-1] == " " else data)
+        if is_comment(line):
+            return None
+        return self._printed(line)
+
+    def _printed(self, line: str) -> LogFrame | None:
+        match = _PRINTED.fullmatch(line)
+        if match is None:
+            raise ValueError("neither a comment nor a frame")
+        stamp, identifier, length, data = match.groups()
+        now = None if stamp is None else self._stamp(stamp)
+        if data.startswith("remote"):
+            return None
+        frame = _frame(now, identifier, data[: 3 * int(length)])
+        if frame is not None and len(frame.data) != int(length):
+            raise ValueError(f"{length} bytes announced")
+        return frame
+
+    def _stamp(self, text: str) -> float:
+        if ":" in text:
+            return self._date_time.read(text)
+        if not self._deltas:
+            return float(text)
+        self._elapsed += float(text)
+        return self._elapsed
+
+
+def _frame(stamp: float | None, identifier: str, data: str) -> LogFrame | None:
+    number = int(identifier, 16)
+    if number & _ERROR or data[:1] == "R":
+        return None
+    payload = bytes.fromhex(data)
+    if len(payload) > 8 or len(identifier) not in (3, 8) or number >> 29:
+        raise ValueError("not a classic CAN frame")
+    return LogFrame(stamp, number, payload, len(identifier) == 8)
+
+
+def _are_deltas(sample: Sequence[str]) -> bool:
+    """Times that go back within the first day can only count from the line before."""
+    stamps = [match[1] for match in map(_PRINTED.fullmatch, sample) if match and match[1] and ":" not in match[1]]
+    times = [float(stamp) for stamp in stamps if re.fullmatch(r"\d+\.\d+", stamp)]
+    return max(times, default=0.0) < _A_DAY and any(later < earlier for earlier, later in pairwise(times))

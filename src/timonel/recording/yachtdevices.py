@@ -1,0 +1,48 @@
+"""Yacht Devices' RAW text, which other gateways (Actisense W2K-1) write too.
+
+    17:33:21.107 R 19F51323 01 2F 30 70 00 2F 30 70     time, R received or T transmitted, identifier, data
+    19f51323 01 2f 30 70 00 2f 30 70                    as a client sends it
+
+Source: YDWG-02 manual, appendix E. The time has no date: it counts from 1970-01-01, and past midnight goes
+on.
+"""
+
+import re
+from collections.abc import Sequence
+
+from timonel.recording.lines import LogFrame, is_comment
+
+_LINE = re.compile(
+    r"(?:(\d\d):(\d\d):(\d\d(?:\.\d+)?) )?(?:[RT] )?([0-9A-F]{8})((?: [0-9A-F]{2}){0,8}) ?", re.IGNORECASE
+)
+_A_DAY = 86400.0
+
+
+class YachtDevicesRaw:
+    """Lines of YD RAW."""
+
+    name = "YD RAW"
+
+    def __init__(self, sample: Sequence[str]) -> None:
+        self._midnight = 0.0
+        self._last = 0.0
+
+    def read(self, line: str) -> LogFrame | None:
+        """A frame; None for a comment. ValueError for any other line."""
+        match = _LINE.fullmatch(line)
+        if match is None:
+            if is_comment(line):
+                return None
+            raise ValueError("neither a comment nor a frame")
+        hours, minutes, seconds, identifier, data = match.groups()
+        number = int(identifier, 16)
+        if number >> 29:
+            raise ValueError("an identifier has 29 bits")
+        stamp = self._stamp(int(hours) * 3600 + int(minutes) * 60 + float(seconds)) if hours else None
+        return LogFrame(stamp, number, bytes.fromhex(data))
+
+    def _stamp(self, time_of_day: float) -> float:
+        if time_of_day < self._last - _A_DAY / 2:
+            self._midnight += _A_DAY
+        self._last = time_of_day
+        return self._midnight + time_of_day

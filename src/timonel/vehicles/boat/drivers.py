@@ -1,0 +1,48 @@
+"""How pilots are told what to do. One driver a kind of pilot, all behind `Driver`."""
+
+from math import radians
+from typing import Protocol
+
+from timonel.core.frame import Frame
+from timonel.nmea2000.fastpacket import fragment
+from timonel.nmea2000.identifier import join
+from timonel.nmea2000.lookups import HeadingReference, SteeringMode, YesNo
+from timonel.nmea2000.messages.steering import HeadingTrackControl
+
+PRIORITY = 2
+
+
+class Driver(Protocol):
+    """Says to a pilot what it is to do."""
+
+    def steer(self, setpoint: int | None, heading: float | None) -> list[Frame]:
+        """The frames that make it hold `setpoint` (tenths of a degree), or let go if that is None.
+
+        `heading` is the boat's own in degrees, in the same reference, if it is known.
+        """
+
+
+class StandardPilot:
+    """PGN 127237 to everybody, as the standard has it.
+
+    No recreational pilot is known to obey it as a command; the simulated one does, and pilots built for it.
+    Fields that do not apply are not available. Source: spec/boat.md, Commands become NMEA 2000.
+    """
+
+    def __init__(self, address: int, reference: HeadingReference) -> None:
+        self._identifier = join(PRIORITY, 127237, address)
+        self._reference = reference
+        self._sequence = 0
+
+    def steer(self, setpoint: int | None, heading: float | None) -> list[Frame]:
+        """See `Driver`. Runs between a station's key and the rudder: keep it short."""
+        payload = HeadingTrackControl(
+            override=YesNo.NO,
+            steering_mode=SteeringMode.MAIN_STEERING if setpoint is None else SteeringMode.HEADING_CONTROL,
+            heading_reference=self._reference,
+            heading_to_steer_course=None if setpoint is None else radians(setpoint / 10),
+            vessel_heading=None if heading is None else radians(heading),
+        ).encode()
+        frames = [Frame(self._identifier, data) for data in fragment(payload, self._sequence)]
+        self._sequence = (self._sequence + 1) % 8
+        return frames

@@ -1,0 +1,143 @@
+"""What pilots say of themselves, read as each maker means it.
+
+127237 has a field for the mode, but not every pilot means the same by it, and some mean nothing:
+
+maker      mode field of 127237                    mode is told by              held heading is told by
+Furuno     1 while the helm is jogged, 3 holding   127237                       127237
+Raymarine  2 engaged in any mode, 0 standing by    65379                        65360
+Navico     often not available                     65305, 65340, else 127237    127237
+others     as canboat's `STEERING_MODE`            127237                       127237
+
+A mode that is told but not understood is `Mode.UNKNOWN`, never STANDBY: the boat may be steering. So is mode 1 or
+2 of a maker that has not introduced itself: a Raymarine pilot in 2 holds a course, a lever in 2 does not.
+Source: spec/boat.md rule 11; canboat samples `furuno-fap7011c-autopilot-off-then-on`, `raymarine-ev1`.
+"""
+
+import msgspec
+
+from timonel.nmea2000.lookups import (
+    DeviceClass,
+    HeadingReference,
+    ManufacturerCode,
+    SeatalkMode,
+    SimnetApModeFlags,
+    SimnetAutopilotMode,
+    SteeringMode,
+)
+from timonel.nmea2000.messages.navico import SimnetAutopilotModeState, SimnetPilotMode
+from timonel.nmea2000.messages.network import IsoAddressClaim
+from timonel.nmea2000.messages.raymarine import SeatalkPilotLockedHeading, SeatalkPilotMode
+from timonel.nmea2000.messages.steering import HeadingTrackControl
+from timonel.vehicles.boat.pilot import Mode
+from timonel.vehicles.boat.truth import Datum, kind
+
+AUTOPILOT = (DeviceClass.STEERING_AND_CONTROL, 150)
+NAVICO = (ManufacturerCode.NAVICO, ManufacturerCode.SIMRAD, ManufacturerCode.B_AND_G)
+TOLD = 5.0  # s that a mode told by a maker's own message counts; 65379 and 65305 come at 1 Hz
+HOLD = 2.0  # s after which another device may be taken for the pilot; 127237 comes at 4 Hz
+
+STANDARD = {
+    SteeringMode.MAIN_STEERING: Mode.STANDBY,
+    SteeringMode.HEADING_CONTROL_STANDALONE: Mode.HEADING_HOLD,
+    SteeringMode.HEADING_CONTROL: Mode.HEADING_HOLD,
+    SteeringMode.TRACK_CONTROL: Mode.TRACK,
+}
+FURUNO = STANDARD | {SteeringMode.NON_FOLLOW_UP: Mode.STANDBY}
+RAYMARINE = {SteeringMode.MAIN_STEERING: Mode.STANDBY}
+MAKERS = {ManufacturerCode.FURUNO: FURUNO, ManufacturerCode.RAYMARINE: RAYMARINE}
+SEATALK = {
+    SeatalkMode.STANDBY: Mode.STANDBY,
+    SeatalkMode.AUTO: Mode.HEADING_HOLD,
+    SeatalkMode.TRACK: Mode.TRACK,
+}
+SIMNET_FLAGS = {
+    SimnetApModeFlags.STANDBY: Mode.STANDBY,
+    SimnetApModeFlags.HEADING: Mode.HEADING_HOLD,
+    SimnetApModeFlags.NAV: Mode.TRACK,
+}
+SIMNET = {
+    SimnetAutopilotMode.STANDBY: Mode.STANDBY,
+    SimnetAutopilotMode.HEADING: Mode.HEADING_HOLD,
+    SimnetAutopilotMode.NON_FOLLOW_UP: Mode.STANDBY,
+    SimnetAutopilotMode.NAVIGATION: Mode.TRACK,
+}
+
+PilotMessage = (
+    HeadingTrackControl | SeatalkPilotMode | SeatalkPilotLockedHeading | SimnetPilotMode | SimnetAutopilotModeState
+)
+
+
+class Reading(msgspec.Struct, frozen=True, gc=False):
+    """A report in the pilot's own terms: `course` in rad counted from `reference`."""
+
+    mode: Mode | None
+    course: float | None = None
+    reference: HeadingReference | None = None
+
+
+class PilotReports:
+    """Knows which device is the pilot, and reads it."""
+
+    def __init__(self) -> None:
+        self._names: dict[int, IsoAddressClaim] = {}
+        self._pilot: Datum[int] = Datum(HOLD)
+        self._told: Datum[Mode] = Datum(TOLD)
+        self._locked: Datum[SeatalkPilotLockedHeading] = Datum(TOLD)
+
+    def introduce(self, name: IsoAddressClaim, source: int) -> None:
+        """The device at `source` told its NAME."""
+        self._names[source] = name
+
+    def receive(self, message: PilotMessage, source: int, now: float) -> Reading | None:
+        """What the pilot says of itself; None if `message` is not the pilot's or says nothing."""
+        match message:
+            case HeadingTrackControl():
+                return self._read(message, source, now) if self._is_pilot(source, now) else None
+            case SeatalkPilotLockedHeading():
+                self._locked.offer(message, now, source)
+                return None
+            case SeatalkPilotMode(pilot_mode=SeatalkMode() as seatalk):
+                return self._tell(SEATALK.get(seatalk, Mode.UNKNOWN), source, now)
+            case SimnetPilotMode(mode=flags):
+                return self._tell(SIMNET_FLAGS.get(flags, Mode.UNKNOWN), source, now)
+            case SimnetAutopilotModeState(mode=SimnetAutopilotMode() as simnet):
+                return self._tell(SIMNET.get(simnet, Mode.UNKNOWN), source, now)
+        return None
+
+    def _tell(self, mode: Mode, source: int, now: float) -> Reading | None:
+        if not self._is_pilot(source, now):
+            return None
+        self._told.offer(mode, now, source)
+        return Reading(mode, *self._locked_course(now))
+
+    def _read(self, message: HeadingTrackControl, source: int, now: float) -> Reading:
+        mode = self._told.at(now, TOLD) or self._mode(message, source)
+        if message.heading_to_steer_course is None:
+            return Reading(mode, *self._locked_course(now))
+        return Reading(mode, message.heading_to_steer_course, message.heading_reference)
+
+    def _locked_course(self, now: float) -> tuple[float | None, HeadingReference | None]:
+        locked = self._locked.at(now, TOLD)
+        if locked is None:
+            return None, None
+        if locked.target_heading_true is not None:
+            return locked.target_heading_true, HeadingReference.TRUE
+        return locked.target_heading_magnetic, HeadingReference.MAGNETIC
+
+    def _mode(self, message: HeadingTrackControl, source: int) -> Mode | None:
+        name = self._names.get(source)
+        maker = None if name is None else name.manufacturer_code
+        told = message.steering_mode
+        if told is None:
+            return Mode.UNKNOWN if maker in NAVICO else None
+        modes = MAKERS.get(maker, STANDARD) if maker is not None else STANDARD
+        return modes.get(told, Mode.UNKNOWN)
+
+    def _is_pilot(self, source: int, now: float) -> bool:
+        """Whoever says to be an autopilot, else who was the pilot, else who speaks like one first."""
+        name = self._names.get(source)
+        if name is None:
+            rank = 1
+        else:
+            rank = 0 if (name.device_class, name.device_function) == AUTOPILOT else 2
+        return self._pilot.offer(source, now, *kind(source, rank))

@@ -1,0 +1,328 @@
+"""What is known about the boat: one value of each kind, from the best source that is alive.
+
+Several devices may tell the same thing, some of them nonsense. A datum keeps to one source while that one
+tells something valid; a source of better rank takes over at once, any other when the present one has been
+silent for `hold` seconds. A value older than the boat's age limit is no value. All values are in SI.
+
+true = magnetic + variation, magnetic = compass + deviation, east positive.
+"""
+
+from collections.abc import Callable
+from math import tau
+from typing import Generic, TypeVar
+
+from timonel.core.message import Message
+from timonel.nmea2000.lookups import GnssMethod, HeadingReference, TemperatureSource
+from timonel.nmea2000.messages.environment import (
+    EnvironmentalParameters,
+    EnvironmentalParametersObsolete,
+    Temperature,
+    TemperatureExtendedRange,
+    WindData,
+)
+from timonel.nmea2000.messages.navigation import (
+    CogSogRapidUpdate,
+    CrossTrackError,
+    DistanceLog,
+    GnssPositionData,
+    NavigationData,
+    NavigationRouteWpInformation,
+    PositionRapidUpdate,
+    Speed,
+    SystemTime,
+    TimeDate,
+    WaterDepth,
+)
+from timonel.nmea2000.messages.steering import (
+    Attitude,
+    HeadingTrackControl,
+    MagneticVariation,
+    RateOfTurn,
+    Rudder,
+    VesselHeading,
+)
+
+T = TypeVar("T")
+
+Angle = float | None
+VariationModel = Callable[[float, float, float], float]
+"""Variation in rad at latitude and longitude (deg) and time (unix s)."""
+
+FAST = 1.0  # s: ten periods of what comes at 10 Hz
+SLOW = 3.0  # s: three periods of what comes at 1 Hz
+SECONDS_A_DAY = 86400
+FIRST_DAY = 10957  # 2000-01-01: no NMEA 2000 device is older, but many say 1970 before they have a fix
+MOST_WAYPOINTS = 1000  # names kept; a route has fewer
+TIME_AGE = 2.0  # s that a clock reading may be used for a position
+
+
+ESSENTIAL: dict[type[Message], str] = {
+    Speed: "speed_water_referenced",
+    WaterDepth: "depth",
+    DistanceLog: "log",
+    RateOfTurn: "rate",
+    Attitude: "roll",
+    NavigationData: "bearing_position_to_destination_waypoint",
+}
+
+
+class Datum(Generic[T]):
+    """The latest value of one kind and who told it."""
+
+    __slots__ = ("_heard", "_hold", "_rank", "_source", "value")
+
+    def __init__(self, hold: float) -> None:
+        self._hold = hold
+        self._source = -1
+        self._rank = 0
+        self._heard = float("-inf")
+        self.value: T | None = None
+
+    def offer(self, value: T, now: float, source: int, rank: int = 0) -> bool:
+        """Take `value` if `source` is the one to listen to; a lower `rank` is a better source."""
+        if source != self._source and rank >= self._rank and now - self._heard < self._hold:
+            return False
+        self._source, self._rank = source, rank
+        self.value = value
+        self._heard = now
+        return True
+
+    def at(self, now: float, age: float) -> T | None:
+        """The value if it is younger than `age` seconds."""
+        return self.value if now - self._heard < age else None
+
+
+def kind(source: int, rank: int) -> tuple[int, int]:
+    """`source` and `rank` for `offer`, where one device tells the same thing by messages of several ranks."""
+    return rank << 8 | source, rank
+
+
+class Clock:
+    """UTC as the bus tells it: days since 1970 and seconds of the day."""
+
+    __slots__ = ("day", "second")
+
+    def __init__(self, day: int, second: float) -> None:
+        self.day = day
+        self.second = second
+
+    @property
+    def unix(self) -> float:
+        """Seconds since 1970."""
+        return self.day * SECONDS_A_DAY + self.second
+
+
+class Truth:
+    """Everything known, by message; each `hear_` method returns whether the message was taken."""
+
+    def __init__(self, age: float, variation_model: VariationModel | None = None) -> None:
+        self._age = age
+        self._model = variation_model
+        self._modelled: tuple[tuple[int, int, int], float] | None = None
+        self.true_compass: Datum[VesselHeading] = Datum(FAST)
+        self.magnetic_compass: Datum[VesselHeading] = Datum(FAST)
+        self.told_variation: Datum[float] = Datum(SLOW)
+        self.rudder: Datum[float] = Datum(FAST)
+        self.position: Datum[tuple[float, float]] = Datum(FAST)
+        self.fix: Datum[GnssPositionData] = Datum(SLOW)
+        self.course: Datum[CogSogRapidUpdate] = Datum(FAST)
+        self.clock: Datum[Clock] = Datum(SLOW)
+        self.cross_track: Datum[CrossTrackError] = Datum(SLOW)
+        self.waypoint_names: dict[int, str] = {}
+        self.sea_temperature: Datum[float] = Datum(2 * SLOW)  # 130312 and 130316 come every 2 s
+        self.winds: dict[int, Datum[WindData]] = {}
+        self.others: dict[type[Message], Datum[Message]] = {}
+
+    # Hearing --------------------------------------------------------------------------------------
+
+    def hear(self, message: Message, source: int, now: float) -> bool:
+        """A message that stands for itself, if it tells what it is for."""
+        essential = ESSENTIAL.get(type(message))
+        if essential is not None and getattr(message, essential) is None:
+            return False
+        datum = self.others.get(type(message))
+        if datum is None:
+            datum = self.others[type(message)] = Datum(SLOW)
+        return datum.offer(message, now, source)
+
+    def hear_heading(self, message: VesselHeading, source: int, now: float) -> bool:
+        """127250. A heading without a reference, or with one in error, is no heading."""
+        if message.heading is None:
+            return False
+        match message.reference:
+            case HeadingReference.TRUE:
+                return self.true_compass.offer(message, now, source)
+            case HeadingReference.MAGNETIC:
+                return self.magnetic_compass.offer(message, now, source)
+        return False
+
+    def hear_variation(self, message: MagneticVariation, source: int, now: float) -> bool:
+        """127258."""
+        return message.variation is not None and self.told_variation.offer(message.variation, now, source)
+
+    def hear_rudder(self, message: Rudder, source: int, now: float) -> bool:
+        """127245: the rudder itself, before any order to it."""
+        return message.position is not None and self.rudder.offer(message.position, now, source)
+
+    def hear_pilot(self, message: HeadingTrackControl, source: int, now: float) -> bool:
+        """127237: its rudder order stands in for a rudder that nobody measures (spec/boat.md)."""
+        if message.commanded_rudder_angle is not None:
+            self.rudder.offer(message.commanded_rudder_angle, now, *kind(source, 1))
+        return self.hear(message, source, now)
+
+    def hear_position(self, message: PositionRapidUpdate, source: int, now: float) -> bool:
+        """129025."""
+        if message.latitude is None or message.longitude is None:
+            return False
+        return self.position.offer((message.latitude, message.longitude), now, source)
+
+    def hear_fix(self, message: GnssPositionData, source: int, now: float) -> bool:
+        """129029: position, time and how good they are."""
+        if message.latitude is not None and message.longitude is not None:
+            self.position.offer((message.latitude, message.longitude), now, *kind(source, 1))
+        self._hear_clock(message.date, message.time, source, now, rank=0)
+        return self.fix.offer(message, now, source, rank=message.method in (None, GnssMethod.NONE))
+
+    def hear_course(self, message: CogSogRapidUpdate, source: int, now: float) -> bool:
+        """129026."""
+        if message.cog is None and message.sog is None:
+            return False
+        return self.course.offer(message, now, source)
+
+    def hear_system_time(self, message: SystemTime, source: int, now: float) -> bool:
+        """126992."""
+        return self._hear_clock(message.date, message.time, source, now, rank=1)
+
+    def hear_time_date(self, message: TimeDate, source: int, now: float) -> bool:
+        """129033."""
+        return self._hear_clock(message.date, message.time, source, now, rank=2)
+
+    def _hear_clock(self, day: int | None, second: float | None, source: int, now: float, rank: int) -> bool:
+        if day is None or second is None or day < FIRST_DAY:
+            return False
+        return self.clock.offer(Clock(day, second), now, *kind(source, rank))
+
+    def hear_cross_track(self, message: CrossTrackError, source: int, now: float) -> bool:
+        """129283."""
+        return self.cross_track.offer(message, now, source)
+
+    def hear_route(self, message: NavigationRouteWpInformation, source: int, now: float) -> bool:
+        """129285: the names behind the numbers of waypoints."""
+        if len(self.waypoint_names) > MOST_WAYPOINTS:
+            self.waypoint_names.clear()
+        for waypoint in message.waypoints:
+            if waypoint.wp_id is not None and waypoint.wp_name is not None:
+                self.waypoint_names[waypoint.wp_id] = waypoint.wp_name
+        return True
+
+    def hear_wind(self, message: WindData, source: int, now: float) -> bool:
+        """130306: each reference is a wind of its own."""
+        if message.reference is None or message.wind_speed is None or message.wind_angle is None:
+            return False
+        datum = self.winds.get(message.reference)
+        if datum is None:
+            datum = self.winds[message.reference] = Datum(FAST)
+        return datum.offer(message, now, source)
+
+    def hear_extended_temperature(self, message: TemperatureExtendedRange, source: int, now: float) -> bool:
+        """130316."""
+        return self._hear_sea(message.source, message.temperature, source, now, rank=0)
+
+    def hear_temperature(self, message: Temperature, source: int, now: float) -> bool:
+        """130312."""
+        return self._hear_sea(message.source, message.actual_temperature, source, now, rank=1)
+
+    def hear_environment(self, message: EnvironmentalParameters, source: int, now: float) -> bool:
+        """130311."""
+        return self._hear_sea(message.temperature_source, message.temperature, source, now, rank=2)
+
+    def hear_old_environment(self, message: EnvironmentalParametersObsolete, source: int, now: float) -> bool:
+        """130310."""
+        return self._hear_sea(TemperatureSource.SEA, message.water_temperature, source, now, rank=3)
+
+    def _hear_sea(
+        self, place: TemperatureSource | None, kelvin: float | None, source: int, now: float, rank: int
+    ) -> bool:
+        if place is not TemperatureSource.SEA or kelvin is None:
+            return False
+        return self.sea_temperature.offer(kelvin, now, *kind(source, rank))
+
+    # Knowing --------------------------------------------------------------------------------------
+
+    def variation(self, now: float) -> float | None:
+        """East positive: as 127258 tells, else as a compass tells, else as the model computes."""
+        told = self.told_variation.at(now, self._age)
+        if told is not None:
+            return told
+        compass = self.magnetic_compass.at(now, self._age) or self.true_compass.at(now, self._age)
+        if compass is not None and compass.variation is not None:
+            return compass.variation
+        return self._model_variation()
+
+    def _model_variation(self) -> float | None:
+        """At the last known position and date; computed anew after a tenth of a degree or a day."""
+        if self._model is None or self.position.value is None or self.clock.value is None:
+            return None
+        latitude, longitude = self.position.value
+        place = (round(latitude * 10), round(longitude * 10), self.clock.value.day)
+        if self._modelled is None or self._modelled[0] != place:
+            self._modelled = place, self._model(latitude, longitude, self.clock.value.unix)
+        return self._modelled[1]
+
+    def magnetic_heading(self, now: float) -> float | None:
+        """0..2 pi."""
+        compass = self.magnetic_compass.at(now, self._age)
+        if compass is not None and compass.heading is not None:
+            # A compass that tells no deviation has none left: it corrects itself.
+            return (compass.heading + (compass.deviation or 0.0)) % tau
+        true = self.true_compass.at(now, self._age)
+        variation = self.variation(now)
+        if true is None or true.heading is None or variation is None:
+            return None
+        return (true.heading - variation) % tau
+
+    def true_heading(self, now: float) -> float | None:
+        """0..2 pi: as told, else from the magnetic one by its own variation, by 127258, by the model."""
+        true = self.true_compass.at(now, self._age)
+        if true is not None:
+            return true.heading
+        compass = self.magnetic_compass.at(now, self._age)
+        magnetic = self.magnetic_heading(now)
+        if compass is None or magnetic is None:
+            return None
+        variation = compass.variation if compass.variation is not None else self.variation(now)
+        return None if variation is None else (magnetic + variation) % tau
+
+    def to_true(self, angle: Angle, reference: HeadingReference | None, now: float) -> Angle:
+        """A direction counted from `reference` as a true one; None where that cannot be known."""
+        if angle is None or reference is HeadingReference.TRUE:
+            return angle
+        variation = self.variation(now) if reference is HeadingReference.MAGNETIC else None
+        return None if variation is None else (angle + variation) % tau
+
+    def to_magnetic(self, angle: Angle, reference: HeadingReference | None, now: float) -> Angle:
+        """A direction counted from `reference` as a magnetic one; None where that cannot be known."""
+        if angle is None or reference is HeadingReference.MAGNETIC:
+            return angle
+        variation = self.variation(now) if reference is HeadingReference.TRUE else None
+        return None if variation is None else (angle - variation) % tau
+
+    def rudder_angle(self, now: float) -> float | None:
+        """Starboard positive."""
+        return self.rudder.at(now, self._age)
+
+    def position_at(self, now: float) -> tuple[float, float] | None:
+        """Latitude and longitude in degrees."""
+        return self.position.at(now, self._age)
+
+    def method_at(self, now: float) -> GnssMethod | None:
+        """How the position was found, if somebody tells."""
+        fix = self.fix.at(now, self._age)
+        return None if fix is None else fix.method
+
+    def clock_at(self, now: float) -> Clock | None:
+        """UTC of the last reading, if it may still go with a position of `now`."""
+        return self.clock.at(now, TIME_AGE)
+
+    def cross_track_at(self, now: float) -> CrossTrackError | None:
+        return self.cross_track.at(now, self._age)
