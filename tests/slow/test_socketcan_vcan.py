@@ -54,11 +54,21 @@ def test_every_frame_of_a_burst_arrives_in_order():
     async def session():
         async with opened() as (one, _), opened() as (_, ear):
             sent = [Frame(number, number.to_bytes(8, "little")) for number in range(5000)]
-            for start in range(0, 5000, 100):
-                one.send(sent[start : start + 100])
+            for start in range(0, 5000, 50):
+                one.send(sent[start : start + 50])
                 await asyncio.sleep(0)
             await until(lambda: len(ear.frames) == 5000)
             assert ear.frames == sent
+
+    asyncio.run(session())
+
+
+def test_frames_that_come_faster_than_they_are_taken_are_counted_to_the_last_one():
+    async def session():
+        async with opened() as (one, _), opened() as (two, _):
+            one.send([HEADING] * 5000)
+            await until(lambda: two.counters.frames_in + two.counters.overrun == 5000)
+            assert two.counters.overrun > 0
 
     asyncio.run(session())
 

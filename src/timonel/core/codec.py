@@ -143,9 +143,48 @@ def parts(message: "type[Message]") -> "list[Run | Slot]":
     return result
 
 
-def fit(data: bytes, size: int) -> bytes:
+class Blank(msgspec.Struct, frozen=True):
+    """What a run is filled with that ends early: `bits` says not available in every field, `ends` are theirs."""
+
+    size: int
+    bits: int
+    ends: tuple[int, ...]
+
+    def kept(self, size: int) -> int:
+        """How many bits of a payload of `size` bytes are whole fields."""
+        return max(end for end in self.ends if end <= 8 * size)
+
+
+def blank(run: Run) -> Blank:
+    bits, at, ends = 0, 0, {0}
+    for slot in run.slots:
+        assert slot.length is not None
+        bits |= _absent(slot) << at
+        ends.update(range(at, at + slot.length, 8) if isinstance(slot.field, Ascii | Binary) else ())
+        at += slot.length
+        ends.add(at)
+    return Blank(run.size, bits, tuple(sorted(ends)))
+
+
+def _absent(slot: "Slot") -> int:
+    match slot.field:
+        case Number() as field:
+            return field.not_available
+        case Spare() | Flags():
+            return 0
+        case Match():
+            return int(slot.default)
+    assert slot.length is not None
+    return (1 << slot.length) - 1
+
+
+def fit(data: bytes, blank: Blank) -> bytes:
     """Cut what is too long (a newer version of the message), fill what is too short with "not available"."""
-    return bytes(data[:size]).ljust(size, b"\xff")
+    have = bytes(data[: blank.size])
+    if len(have) == blank.size:
+        return have
+    mask = (1 << blank.kept(len(have))) - 1
+    return (int.from_bytes(have, "little") & mask | blank.bits & ~mask).to_bytes(blank.size, "little")
 
 
 def text(raw: bytes) -> str | None:
@@ -179,6 +218,7 @@ def _scope(message: "type[Message]") -> dict[str, Any]:
     for number, part in enumerate(parts(message)):
         if isinstance(part, Run):
             scope[f"unpack_{number}"] = struct.Struct(part.layout("x")).unpack
+            scope[f"blank_{number}"] = blank(part)
             scope[f"pack_{number}"] = struct.Struct(part.layout("s")).pack
     for slot in message.layout:
         match slot.field:
@@ -215,7 +255,7 @@ def _decode(message: "type[Message]", run: Run) -> list[str]:
         " try:",
         f"  {names} = unpack_0(data)",
         " except error:",
-        f"  {names} = unpack_0(fit(data, {run.size}))",
+        f"  {names} = unpack_0(fit(data, blank_0))",
         *_joined(run),
         f" return {_made(message, dict(_values(run)))}",
     ]
@@ -225,7 +265,7 @@ def _read(message: "type[Message]", cut: "list[Run | Slot]") -> list[str]:
     lines, names = ["def read(data, at):"], []
     for number, part in enumerate(cut):
         if isinstance(part, Run):
-            lines.append(f" {_names(part)} = unpack_{number}(fit(data[at : at + {part.size}], {part.size}))")
+            lines.append(f" {_names(part)} = unpack_{number}(fit(data[at : at + {part.size}], blank_{number}))")
             lines += [f" at += {part.size}", *_joined(part)]
             values = _values(part)
             lines += [f" v_{name} = {value}" for name, value in values]
@@ -339,8 +379,8 @@ def _raw_of(slot: "Slot", counted: str | None) -> list[str]:
             ]
         case Lookup() as field:
             absent = [f"if {raw} is None:", f" {raw} = {field.ones}"] if field.highest < field.ones else []
-            check = f"{'el' if absent else ''}if not 0 <= {raw} <= {field.highest}:"
-            return [f"{raw} = {value}", *absent, check, refuse]
+            bounds = f"{'el' if absent else ''}if not 0 <= {raw} <= {field.highest}:"
+            return [f"{raw} = {value}", *absent, bounds, refuse]
         case Flags() | Bits() as field:
             return [f"{raw} = {value}", f"if not 0 <= {raw} <= {field.ones}:", refuse]
         case Match():
@@ -393,7 +433,7 @@ def refusal(message: "Message") -> EncodeError:
         value = getattr(message, slot.name)
         if fault := _fault(slot, value):
             return EncodeError(f"{slot.name}: {fault}")
-    return EncodeError(f"{type(message).__name__}: too many in a list")
+    return EncodeError(f"{type(message).__name__}: more in a list than can be counted")
 
 
 def _fault(slot: "Slot", value: Any) -> str | None:
@@ -413,14 +453,9 @@ def _fault(slot: "Slot", value: Any) -> str | None:
         case Binary() as field:
             fits = isinstance(value, bytes) and len(value) == field.size
             return None if fits else f"{value!r} is not {field.size} bytes"
-        case Variable() as variable:
-            return _variable_fault(variable, value)
+        case Variable():
+            return None if isinstance(value, str | tuple | None) else f"{value!r} is neither text nor a tuple"
     return None
-
-
-def _variable_fault(field: Variable, value: Any) -> str | None:
-    wanted = tuple if field.counter else (str | bytes | tuple | None)
-    return None if isinstance(value, wanted) else f"{value!r} is not {wanted}"
 
 
 def _number_fault(field: Number, value: Any) -> str | None:

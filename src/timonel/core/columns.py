@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from timonel.core import codec
 from timonel.core.fields import Bits, Fixed, Flags, Lookup, Number
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ def columns(message: "type[Message]", payloads: Payloads) -> dict[str, Column]:
     variable size have no column. The values are those of `message.decode`, bit for bit.
     """
     slots = [slot for slot in message.layout if slot.offset is not None and isinstance(slot.field, VALUES)]
-    rows = _fit(payloads, max((_end(slot) for slot in slots), default=0))
+    rows = _fit(message, payloads)
     block = np.empty((len(slots), len(rows)))  # in one piece: the kernel gives it in huge pages
     for start in range(0, len(rows), CHUNK):
         chunk = slice(start, start + CHUNK)
@@ -42,10 +43,16 @@ def _end(slot: "Slot") -> int:
     return -(-(slot.offset + slot.length) // 8)
 
 
-def _fit(payloads: Payloads, size: int) -> Payloads:
-    """At least `size` bytes a row; what is missing is not available."""
-    missing = size - payloads.shape[1]
-    return payloads if missing <= 0 else np.pad(payloads, ((0, 0), (0, missing)), constant_values=0xFF)
+def _fit(message: "type[Message]", payloads: Payloads) -> Payloads:
+    """Rows with all fields before the first variable one; what is missing is not available."""
+    first = codec.parts(message)[:1]
+    blank = codec.blank(first[0]) if first and isinstance(first[0], codec.Run) else codec.Blank(0, 0, (0,))
+    missing = blank.size - payloads.shape[1]
+    if missing <= 0:
+        return payloads if payloads.strides[1] == 1 else np.ascontiguousarray(payloads)
+    mask = (1 << blank.kept(payloads.shape[1])) - 1
+    keep, fill = (np.frombuffer(bits.to_bytes(blank.size, "little"), np.uint8) for bits in (mask, blank.bits & ~mask))
+    return np.pad(payloads, ((0, 0), (0, missing))) & keep | fill
 
 
 def _fill(column: Column, slot: "Slot", rows: Payloads) -> None:

@@ -9,7 +9,7 @@ Lookup(bits, Enum)  Flags(bits, Enum)    one of a list; any of a list
 Match(bits)                              a constant, the field's default, that tells variants of one PGN apart
 Reserved(bits)  Spare(bits)              ones; zeros
 Ascii(size)  Binary(size)                text and bytes of fixed size
-StringLau()  Rest()                      of variable size: text; all bytes that are left
+StringLau()                              text of variable size
 Repeat(group, count)  Packed(field, count)   many of them; without `count`, up to the end
 ```
 NMEA 2000 gives the highest values of a number a meaning of their own: not available, out of range, reserved.
@@ -28,6 +28,7 @@ import msgspec
 from timonel.errors import EncodeError
 
 FULL_CIRCLE = {False: 2 * math.pi, True: math.pi}
+FLOAT_MARGIN = 1 << 13  # a float cannot tell the highest 64-bit numbers from those that are none
 SECONDS_OF_DAY = 86401  # a leap second may make it one more than a day has
 
 
@@ -92,8 +93,9 @@ class Number(Fixed, frozen=True):
     @cached_property
     def range(self) -> tuple[int, int]:
         """The lowest and highest valid raw value."""
-        highest = self.not_available - self.specials
-        lowest = -self.not_available if self.signed else 0
+        margin = FLOAT_MARGIN if self.bits > 53 and not self.integral else 0
+        highest = self.not_available - self.specials - margin
+        lowest = -self.not_available + margin if self.signed else 0
         if self.magnitude is None:
             return lowest, highest
         bound = round(self.magnitude / self.resolution)
@@ -129,7 +131,7 @@ class Lookup(Fixed, frozen=True):
 
     @cached_property
     def highest(self) -> int:
-        return max(self.ones - self.specials, *self.codes)
+        return max(self.ones - self.specials, *(int(code) for code in self.codes))
 
     def meaning(self, raw: int) -> Code | None:
         return None if raw > self.highest else self.codes(raw)
@@ -294,13 +296,3 @@ class Packed(Variable, frozen=True):
             packed |= raw << bits
             bits += self.element.bits
         return (packed | (1 << -bits % 8) - 1 << bits).to_bytes(-(-bits // 8), "little")
-
-
-class Rest(Variable, frozen=True):
-    """All bytes that are left."""
-
-    def read(self, data: bytes, at: int, *context: Any) -> tuple[bytes, int]:
-        return bytes(data[at:]), max(at, len(data))
-
-    def write(self, value: bytes, *context: Any) -> bytes:
-        return value

@@ -117,7 +117,7 @@ class Message(msgspec.Struct, metaclass=MessageMeta, frozen=True):
 
     @classmethod
     def decode(cls, data: bytes) -> Self:
-        """The message in `data`: padded with 0xFF (not available) where too short, cut where too long.
+        """The message in `data`: cut where too long; fields that are not there whole are not available.
 
         Never raises: bytes that make no sense give None, or what could be read.
         """

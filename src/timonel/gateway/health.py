@@ -1,8 +1,9 @@
 """What happened so far, counted for health and told to the log, with a limit on what a peer can make us write."""
 
 import logging
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import msgspec
@@ -10,10 +11,12 @@ import msgspec
 from timonel.core.alerts import AlertChanged, Priority
 from timonel.core.command import NOBODY, Denied, Overridden, Requested, Transferred
 from timonel.core.effects import Effect, Refused, Rejected, SecurityEvent
-from timonel.vehicles.boat.pilot import Steer
+from timonel.core.pace import Allowance
+from timonel.vehicles.boat.pilot import Mode, PilotChanged, Steer
 
-QUIET = 10.0  # s between two log lines about the same thing
+LINES, LINES_WINDOW = 10, 10.0  # so many log lines about the same thing in so many seconds
 KINDS_MAX = 256  # that are told apart, however inventive a peer is
+ALWAYS_SAID = (Transferred, AlertChanged)
 
 logger = logging.getLogger("timonel")
 
@@ -23,7 +26,7 @@ class Health:
 
     def __init__(self) -> None:
         self.counts: Counter[str] = Counter()
-        self._quiet_until: dict[str, float] = {}
+        self._allowances: defaultdict[str, Allowance] = defaultdict(partial(Allowance, LINES, LINES_WINDOW))
         self._unsaid: Counter[str] = Counter()
         self._watched: dict[str, Callable[[], Mapping[str, int]]] = {}
 
@@ -33,15 +36,12 @@ class Health:
         if kind not in self.counts and len(self.counts) >= KINDS_MAX:
             kind = "other"
         self.counts[kind] += 1
-        if not isinstance(event, Rejected | Refused | SecurityEvent):
-            self._log(event)
-        elif now >= self._quiet_until.get(kind, now):
-            self._quiet_until[kind] = now + QUIET
+        if isinstance(event, ALWAYS_SAID) or self._allowances[kind].take(now):
             self._log(event, self._unsaid.pop(kind, 0))
         else:
             self._unsaid[kind] += 1
 
-    def _log(self, event: Effect, unsaid: int = 0) -> None:
+    def _log(self, event: Effect, unsaid: int) -> None:
         more = f" (and {unsaid} more before)" if unsaid else ""
         logger.log(level(event), "%s%s", describe(event), more, extra={"fields": fields(event)})
 
@@ -121,6 +121,10 @@ def describe(event: Effect) -> str:
             return f"{port}: {reason} (station {station} named)"
         case Rejected(reason=reason, data=data, source=source):
             return f"{source or 'a peer'}: rejected, {reason}: {_readable(data)}"
+        case PilotChanged(mode=mode, setpoint=setpoint):
+            return f"pilot: {'unknown mode' if mode is Mode.UNKNOWN else mode.value}{_course(setpoint)}"
+        case Steer(setpoint=setpoint):
+            return "to the pilot: " + ("let go" if setpoint is None else f"hold{_course(setpoint)}")
         case AlertChanged(alert=alert):
             return f"{alert.kind.priority.name.lower()} {_state(event)}: {alert.kind.name}: {alert.text}"
         case _:
@@ -130,6 +134,10 @@ def describe(event: Effect) -> str:
 
 def _station(number: int) -> str:
     return "nobody" if number == NOBODY else f"station {number}"
+
+
+def _course(tenths: int | None) -> str:
+    return "" if tenths is None else f" {tenths / 10:05.1f}"
 
 
 def _state(changed: AlertChanged) -> str:

@@ -2,7 +2,8 @@
 
 `speed=2` is twice as fast, `speed=max` as fast as the loop takes it; `loop=yes` starts again at the end.
 The format is told from the content; a message that its recorder had put together goes out in fast-packet
-frames as it came. Lines that could not be read are counted as rejected, what is sent to a recording as dropped.
+frames as it came. Lines that could not be read are counted as rejected, what is sent to a recording as
+dropped.
 """
 
 import asyncio

@@ -31,6 +31,8 @@ class Counters(msgspec.Struct, gc=False):
     """Lines or frames that were not sent: nobody there, no room, or too old."""
     rejected: int = 0
     """Incoming lines, frames or readers that were not accepted."""
+    overrun: int = 0
+    """Incoming frames that were lost because we did not take them fast enough."""
     errors: int = 0
     """Error frames of the bus and errors that the adapter or the system reported."""
     reopened: int = 0

@@ -1,7 +1,7 @@
 """`loop://name`: a bus within this process. Every end opened on a name hears what the others send, in order.
 
 Frames arrive by the loop, never within `send`. An end that falls behind loses its oldest frames, counted as
-dropped.
+overrun.
 """
 
 from asyncio import AbstractEventLoop
@@ -47,7 +47,7 @@ class LoopLink(Kept[list[Frame]]):
         self._waiting.extend(frames)
         if (excess := len(self._waiting) - QUEUE) > 0:
             del self._waiting[:excess]
-            self._tally.dropped += excess
+            self._tally.overrun += excess
 
     def _deliver(self) -> None:
         frames, self._waiting = self._waiting, []

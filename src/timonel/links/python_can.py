@@ -127,7 +127,7 @@ class Attendance:
             self._heard()
 
     def _rest(self, worked: float) -> None:
-        """Nothing came. A driver that does not wait makes python-can spin: never let that one wait again, but nap."""
+        """Nothing came. A driver that does not wait makes python-can spin: from then on we nap instead."""
         if worked > POLL / 2:
             self._patience = 0.0
         if not self._patience:
@@ -149,7 +149,7 @@ class Attendance:
     def _put(self, message: can.Message) -> None:
         if len(self.inbox) >= INBOX:
             self.inbox.popleft()
-            self._count("dropped")
+            self._count("overrun")
         self.inbox.append(message)
 
     def _send_on(self) -> None:

@@ -3,8 +3,9 @@
 Frames are drained up to 64 a wake-up. What the kernel has no room for is dropped and counted: it waits for
 a bus that does not acknowledge, and a late command is a wrong one. The controller's error frames are
 counted and its state is told by `changed`. An interface that goes down says so once and is silent from then
-on, so its flags are looked at every 0.5 s. Bit rate and restart after bus-off are the interface's own (`ip
-link set can0 type can bitrate 250000 restart-ms 100`).
+on, so its flags are looked at every 0.5 s, together with the number of frames that we took too late. Bit
+rate and restart after bus-off are set on the interface (`ip link set can0 up type can bitrate 250000
+restart-ms 100`).
 
 Source: linux/can.h, linux/can/error.h, linux/can/raw.h.
 """
@@ -30,6 +31,8 @@ WATCH = 0.5
 SIOCGIFFLAGS = 0x8913
 INTERFACE_FLAGS = struct.Struct("=16sH22x")
 UP_AND_RUNNING = 0x1 | 0x40
+SO_MEMINFO = 55
+MEMINFO = struct.Struct("=9I")  # the last of these is the number of frames dropped
 
 CONTROLLER, BUS_OFF, RESTARTED = 0x4, 0x40, 0x100
 PASSIVE, WARNING, ACTIVE = 0x30, 0x0C, 0x40
@@ -53,6 +56,11 @@ def is_running(interface: socket.socket, channel: str) -> bool:
     request = INTERFACE_FLAGS.pack(channel.encode(), 0)
     _, flags = INTERFACE_FLAGS.unpack(fcntl.ioctl(interface, SIOCGIFFLAGS, request))
     return bool(flags & UP_AND_RUNNING == UP_AND_RUNNING)
+
+
+def overrun_of(can: socket.socket) -> int:
+    """Frames that the kernel has dropped so far because the socket's queue was full."""
+    return int(MEMINFO.unpack(can.getsockopt(socket.SOL_SOCKET, SO_MEMINFO, MEMINFO.size))[-1])
 
 
 def pack(frame: Frame) -> bytes:
@@ -93,6 +101,7 @@ class SocketCanLink(Kept[list[Frame]]):
         self._socket: socket.socket | None = None
         self._watch: asyncio.TimerHandle | None = None
         self._off = False
+        self._overrun = 0
 
     async def _connect(self) -> None:
         can = self._make(self.channel)
@@ -105,6 +114,7 @@ class SocketCanLink(Kept[list[Frame]]):
             raise
         self._socket = can
         self._off = False
+        self._overrun = 0
         self._loop.add_reader(can.fileno(), self._readable)
         self._watch = self._loop.call_later(WATCH, self._look)
 
@@ -112,9 +122,12 @@ class SocketCanLink(Kept[list[Frame]]):
         assert self._socket is not None
         try:
             running = is_running(self._socket, self.channel)
+            overrun = overrun_of(self._socket)
         except OSError as fault:
             self._fail(fault)
             return
+        self._tally.overrun += overrun - self._overrun
+        self._overrun = overrun
         if running:
             self._watch = self._loop.call_later(WATCH, self._look)
         else:

@@ -61,7 +61,8 @@ class TcpLink(Port):
                 await self._loop.sock_connect(stream, address)
             except OSError as refusal:
                 stream.close()
-                fault = OSError(os.strerror(refusal.errno or 0))  # without the address that asyncio puts there
+                # without the address, which asyncio puts into the text
+                fault = OSError(os.strerror(refusal.errno or 0))
             except asyncio.CancelledError:
                 stream.close()
                 raise

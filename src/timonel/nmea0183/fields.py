@@ -242,7 +242,7 @@ else: raise out_of_range({label!r}, {value}, 0, 86401)"""
 def seconds_of(text: bytes) -> float:
     """Seconds of the day from `hhmmss` or `hhmmss.ss`."""
     minute, second = _MINUTE_OF_DAY[text[:4]], float(text[4:])
-    if not text[4:6].isdigit() or text[6:7] not in b"." or second >= 60.0 + (minute == 1439):
+    if len(text) < 6 or not text[4:6].isdigit() or text[6:7] not in b"." or second >= 60.0 + (minute == 1439):
         raise ValueError
     return minute * 60 + second
 

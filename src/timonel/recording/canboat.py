@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 from timonel.errors import EncodeError
-from timonel.nmea2000.fastpacket import Reassembler
+from timonel.nmea2000.fastpacket import LONGEST, Reassembler
 from timonel.nmea2000.identifier import join
 from timonel.nmea2000.registry import is_fast
 from timonel.recording.lines import DateTime, LogFrame, is_comment
@@ -41,6 +41,8 @@ class Canboat:
         data, size = _bytes(text), int(length)
         if len(data) < size:
             raise ValueError(f"{size} bytes announced, {len(data)} found")
+        if size > LONGEST:
+            raise ValueError(f"{size} bytes are more than {LONGEST}")
         identifier, fast = _address(priority, pgn, source, destination)
         if identifier is None:
             return None

@@ -35,7 +35,8 @@ class Ear:
 
 
 class Adapter:
-    """A USB serial adapter played by a pseudo-terminal: always found at `path`, a new device at every plugging."""
+    """A USB serial adapter played by a pseudo-terminal: always found at `path`, a new device at every
+    plugging."""
 
     def __init__(self, path: Path) -> None:
         self.path = path

@@ -90,7 +90,12 @@ SAYS = st.builds(
 )
 
 
-@given(first=st.lists(SAYS, min_size=1), later=st.lists(SAYS), steps=st.lists(st.integers(0, 20)), cut=st.integers(0))
+@given(
+    first=st.lists(SAYS, min_size=1),
+    later=st.lists(SAYS),
+    steps=st.lists(st.integers(0, 20)),
+    cut=st.integers(0),
+)
 def test_whatever_is_written_when_no_line_is_ever_torn(first, later, steps, cut):
     whole = b"".join(say.line for say in first)
     cut %= len(whole) + 1

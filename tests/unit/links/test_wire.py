@@ -15,7 +15,14 @@ def wired(**settings):
     near.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
     far.setblocking(False)
     heard, losses, tally = [], [], Counters()
-    wire = Wire(near.fileno(), receive=heard.append, lost=losses.append, release=near.close, tally=tally, **settings)
+    wire = Wire(
+        near.fileno(),
+        receive=heard.append,
+        lost=losses.append,
+        release=near.close,
+        tally=tally,
+        **settings,
+    )
     yield wire, far, heard, losses, tally
     wire.close()
     far.close()

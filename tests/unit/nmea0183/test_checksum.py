@@ -16,8 +16,8 @@ def test_a_check_sum_is_the_xor_of_all_bytes_whatever_the_length(length: int) ->
 @pytest.mark.parametrize(
     ("sentence", "result"),
     [
-        (b"$IIHDT,182.3,T*27", b"IIHDT,182.3,T"),
-        (b"!IIHDT,182.3,T*27", b"IIHDT,182.3,T"),
+        (b"$IIHDT,182.3,T*2A", b"IIHDT,182.3,T"),
+        (b"!IIHDT,182.3,T*2A", b"IIHDT,182.3,T"),
         (b"$PARP,CMDREQUEST,02*0A", b"PARP,CMDREQUEST,02"),
         (b"$PARP,CMDREQUEST,02*0a", b"PARP,CMDREQUEST,02"),
         (b"$PARP,CMDREQUEST,02*1B", Fault.WRONG_CHECKSUM),

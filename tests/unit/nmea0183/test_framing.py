@@ -2,8 +2,8 @@ import pytest
 
 from timonel.nmea0183.framing import SentenceFramer
 
-HDT = b"$IIHDT,182.3,T*27"
-ROT = b"$IIROT,-3.0,A*15"
+HDT = b"$IIHDT,182.3,T*2A"
+ROT = b"$IIROT,-3.0,A*08"
 
 
 @pytest.mark.parametrize("end", [b"\r\n", b"\n", b"\r", b"\r\r\n\n"])

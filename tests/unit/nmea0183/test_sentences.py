@@ -412,7 +412,7 @@ def test_reserved_and_accented_characters_travel_escaped() -> None:
         (ALR(text="€"), "ALR.text: '€' is not printable ISO 8859-1"),
         (XDR(), "XDR.transducers: at least one is needed"),
         (XDR((Transducer("A", float("nan"), "D", "X"),)), "XDR.value: nan is outside"),
-        (ALR(text="x" * 80), "IIALR: 95 characters, a sentence has at most 82"),
+        (ALR(text="x" * 80), "IIALR: 96 characters, a sentence has at most 82"),
     ],
 )
 def test_a_value_that_does_not_fit_is_our_callers_mistake(sentence: Sentence, text: str) -> None:
@@ -427,7 +427,8 @@ def test_a_leg_too_long_for_its_fields_is_written_as_their_largest_value() -> No
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(0.0, "0"), (-0.0, "0"), (-0.000001, "0"), (100.0, "100"), (1.026, "1.026"), (-2.5, "-2.5"), (0.123456, "0.12346"), (None, "")],
+    [(0.0, "0"), (-0.0, "0"), (-0.000001, "0"), (100.0, "100"), (1.026, "1.026"), (-2.5, "-2.5"), (0.123456, "0.12346"),
+     (None, "")],
 )  # fmt: skip
 def test_a_transducer_value_has_the_decimals_it_needs(value: float | None, text: str) -> None:
     assert XDR((Transducer("A", value, "D", "X"),)).encode() == seal(f"IIXDR,A,{text},D,X")

@@ -77,9 +77,7 @@ def test_interleaved_sources_destinations_pgns_and_counters_do_not_meet():
 
 def test_a_priority_changed_on_the_way_is_still_the_same_message():
     reassembler = Reassembler()
-    assert [reassembler.receive(HEADING_CONTROL ^ (i << 26), frame, 0.0) for i, frame in enumerate(A)][
-        3
-    ] == COURSE
+    assert [reassembler.receive(HEADING_CONTROL ^ (i << 26), frame, 0.0) for i, frame in enumerate(A)][3] == COURSE
 
 
 def test_a_last_frame_without_padding_is_taken():
@@ -261,9 +259,7 @@ def wrong_joins(lengths, pause, within_message):
                         yield losses, count
 
 
-@pytest.mark.parametrize(
-    "lengths", [(2, 2), (3, 3), (4, 4), (2, 4), (4, 2), (3, 2), (3, 4), (2, 2, 2), (3, 3, 3)]
-)
+@pytest.mark.parametrize("lengths", [(2, 2), (3, 3), (4, 4), (2, 4), (4, 2), (3, 2), (3, 4), (2, 2, 2), (3, 3, 3)])
 def test_messages_more_than_the_gap_apart_are_never_joined(lengths):
     assert list(wrong_joins(lengths, pause=0.101, within_message=True)) == []
 

@@ -108,6 +108,7 @@ def test_a_value_of_one_digit_is_read():
         f"{NOON},2,127250,7,255,1,xx",
         f"{NOON},2,127250,7,255,1,1ff",
         "yesterday,2,127250,7,255,1,ff",
+        f"{NOON},2,129029,7,255,224," + bytes(224).hex(","),
     ],
 )
 def test_a_line_of_another_kind_is_refused(text):

@@ -110,7 +110,7 @@ class Pilot:
         self._report_due = now
         self._command: Command | None = None
         self._ours = False
-        self._disengage_owed = False
+        self._may_hold = False  # the pilot was told to hold, and not yet where it could hear it to let go
         self._repeat_at = now
         self._recover_at: float | None = None
 
@@ -179,8 +179,9 @@ class Pilot:
         """Let go of the rudder. Always accepted."""
         self._alarm = False
         self._recover_at = None
-        self._disengage_owed = self._bus_silent
-        return self._alerts.rectify(HEADING_LOST) + self._steer(Mode.STANDBY, None, now)
+        effects = self._alerts.rectify(HEADING_LOST) + self._steer(Mode.STANDBY, None, now)
+        self._may_hold = self._bus_silent
+        return effects
 
     def set_heading(self, setpoint: int, station: int, now: float) -> list[Event]:
         """Hold `setpoint`, tenths of a degree."""
@@ -213,18 +214,19 @@ class Pilot:
         return min(times)
 
     def expire(self, now: float) -> list[Event]:
-        """What the passing of time brings about."""
+        """What the passing of time brings about. What gives up a command or a report comes before what
+        watches over the mode that is then shown."""
         effects: list[Event] = []
         if not self._bus_silent and now >= self._bus_heard + DATA_AGE:
             effects += self._bus_lost(now)
-        if self._watches_heading and now >= self._heading_heard + DATA_AGE:
-            effects += self._heading_lost(now)
         if self._watches_pilot and now >= self._report_due:
             effects += self._pilot_lost(now)
         if self._command is not None and now >= self._command.deadline:
             effects += self._unconfirmed(now)
         if self._recover_at is not None and now >= self._recover_at:
             effects += self._let_go()
+        if self._watches_heading and now >= self._heading_heard + DATA_AGE:
+            effects += self._heading_lost(now)
         if self._repeats and now >= self._repeat_at:
             effects += self._repeat(now)
         return effects
@@ -245,7 +247,7 @@ class Pilot:
 
     def _steer(self, mode: Mode, setpoint: int | None, now: float) -> list[Event]:
         self._command = Command(mode, setpoint, now + FOLLOW_TIME)
-        self._ours = mode is Mode.HEADING_HOLD
+        self._ours = self._may_hold = mode is Mode.HEADING_HOLD
         self._repeat_at = now + REPEAT_INTERVAL
         return [*self._show(mode, setpoint), Steer(setpoint)]
 
@@ -302,12 +304,11 @@ class Pilot:
             return effects
         was_ours = self._ours
         effects += self._adopt(self._report)
-        gave_up = was_ours and self._mode is Mode.STANDBY
-        return [*effects, Steer(None)] if gave_up else effects
+        return effects + self._release() if was_ours and self._mode is Mode.STANDBY else effects
 
     def _data_back(self, now: float) -> list[Event]:
         if not self._alarm:
-            return self._pay_disengage()
+            return self._release()
         if self._bus_silent or self._alerts.active(HEADING_LOST):
             return []
         if self._report is None or now - self._report_heard < DATA_AGE:
@@ -329,13 +330,13 @@ class Pilot:
     def _let_go(self) -> list[Event]:
         self._alarm = False
         self._recover_at = None
-        self._disengage_owed = self._disengage_owed or self._mode is not Mode.STANDBY
         self._ours = False
-        return self._show(Mode.STANDBY, None) + self._pay_disengage()
+        self._may_hold = self._may_hold or self._mode is not Mode.STANDBY
+        return self._show(Mode.STANDBY, None) + self._release()
 
-    def _pay_disengage(self) -> list[Event]:
-        owed, self._disengage_owed = self._disengage_owed, False
-        return [Steer(None)] if owed else []
+    def _release(self) -> list[Event]:
+        may_hold, self._may_hold = self._may_hold, False
+        return [Steer(None)] if may_hold else []
 
     def _repeat(self, now: float) -> list[Event]:
         self._repeat_at = now + REPEAT_INTERVAL

@@ -1,0 +1,155 @@
+"""The live view of what goes through a gateway: bus, sentences, stations, alerts, and what to connect."""
+
+import asyncio
+import logging
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.live import Live
+from rich.text import Text
+
+from timonel.cli.face import NAMES, angle, bar, rudder_text
+from timonel.cli.page import DAY, Page, Palette, spread, wrapped
+from timonel.cli.traffic import Heard, Traffic, spoken
+from timonel.core.effects import Effect
+from timonel.core.frame import Frame
+from timonel.nmea0183.parp import PilotMode
+
+REDRAW = 0.2  # s
+OLD = 3.0  # s after which a value says nothing about now
+RUDDER_CELLS = 7  # a side
+
+
+class LiveView:
+    """An observer of the gateway with a screen. `connect` is what stands at its foot."""
+
+    def __init__(self, connect: Sequence[str] = (), *, title: str = "timonel", palette: Palette = DAY) -> None:
+        self.traffic = Traffic()
+        self._connect = connect
+        self._title_text = title
+        self._paint = palette
+
+    def frames_received(self, frames: Sequence[Frame], now: float) -> None:
+        self.traffic.frames_received(frames, now)
+
+    def effect(self, effect: Effect, now: float) -> None:
+        self.traffic.effect(effect, now)
+
+    def port(self, name: str, connected: bool, now: float) -> None:
+        self.traffic.port(name, connected, now)
+
+    async def show(self, console: Console) -> None:
+        """Draw on `console` five times a second, until cancelled; the screen is given back as it was."""
+        loop = asyncio.get_running_loop()
+        with Live(console=console, screen=True, auto_refresh=False, vertical_overflow="crop") as live:
+            while True:
+                live.update(self.page(*console.size, loop.time()), refresh=True)
+                await asyncio.sleep(REDRAW)
+
+    def page(self, width: int, height: int, now: float) -> Page:
+        """The screen at `now` (s). The tables share the lines that the rest leaves."""
+        head = [self._title(width, now), *self._pilot(width), *self._alerts(width)]
+        foot = [*self._ports(width), *self._how_to_connect(width)]
+        room = height - len(head) - len(foot) - 3
+        events = max(1, min(len(self.traffic.events) or 1, room // 5))
+        messages = min(len(self.traffic.messages), max(1, (room - events) * 3 // 5))
+        sentences = max(0, room - events - messages)
+        lines = [
+            *head,
+            *self._messages(width, messages, now),
+            *self._sentences(width, sentences, now),
+            *self._events(width, events, now),
+        ]
+        return Page(lines, foot, self._paint.base)
+
+    # Parts ----------------------------------------------------------------------------------------
+
+    def _title(self, width: int, now: float) -> Text:
+        traffic = self.traffic
+        rates = (
+            f"bus {traffic.frames_in.rate(now):.0f} in {traffic.frames_out.rate(now):.1f} out frames/s   "
+            f"{traffic.lines_out.rate(now):.0f} sentences/s"
+        )
+        return spread(Text(f" {self._title_text}", self._paint.value), Text(rates, self._paint.dim), width - 1)
+
+    def _pilot(self, width: int) -> list[Text]:
+        paint, status = self._paint, self.traffic.status
+        if status is None:
+            return [Text(" no STATUS yet", paint.dim)]
+        alarm = status.mode is PilotMode.ALARM
+        mode = (status.mode.value if status.mode else status.mode_text or "unknown").replace("_", " ")
+        port, starboard = bar(status.rudder_deg, RUDDER_CELLS)
+        who = f"{status.commander:02d} {NAMES[status.commander]}" if status.commander else "nobody"
+        pilot = Text.assemble(
+            " ", (f" {mode} ", paint.bad if alarm else f"reverse {paint.value}"),
+            ("  set ", paint.dim), (angle(status.setpoint_deg), paint.value),
+            ("  heading ", paint.dim), (angle(status.heading_deg), paint.value),
+            ("  P▕", paint.dim), (port, paint.port), "│", (starboard, paint.starboard), ("▏S ", paint.dim),
+            (rudder_text(status.rudder_deg), paint.value),
+        )  # fmt: skip
+        command = Text.assemble(("command ", paint.dim), (who, paint.value))
+        if pilot.cell_len + command.cell_len + 2 > width:
+            return [pilot, Text.assemble(" ", command)]
+        return [spread(pilot, command, width - 1)]
+
+    def _alerts(self, width: int) -> list[Text]:
+        alerts = sorted(self.traffic.alerts.values(), key=lambda alert: alert.kind.priority)
+        return [
+            line
+            for alert in alerts[:2]
+            for line in wrapped(f"{alert.kind.priority.name}  {alert.kind.name}: {alert.text}", width, self._paint.bad)
+        ]
+
+    def _messages(self, width: int, rows: int, now: float) -> list[Text]:
+        heard = self.traffic.by_importance()
+        title = self._heading("   PGN  message                    /s   age  values", len(heard) - rows, width)
+        return [title, *(self._message(pgn, message, now) for pgn, message in heard[:rows])]
+
+    def _message(self, pgn: int, heard: Heard, now: float) -> Text:
+        text = f"{pgn:6d}  {heard.name[:24]:<24} {self._pace(heard, now)}  {spoken(pgn, heard.last)}"
+        return Text(text, self._freshness(heard, now))
+
+    def _sentences(self, width: int, rows: int, now: float) -> list[Text]:
+        heard = list(self.traffic.sentences.values())
+        title = self._heading("        sentence                   /s   age  last", len(heard) - rows, width)
+        return [title, *(self._sentence(sentence, now) for sentence in heard[:rows])]
+
+    def _sentence(self, heard: Heard, now: float) -> Text:
+        last = heard.last.decode("ascii", "replace")
+        return Text(f"        {heard.name[:24]:<24} {self._pace(heard, now)}  {last}", self._freshness(heard, now))
+
+    def _pace(self, heard: Heard, now: float) -> str:
+        return f"{heard.meter.rate(now):5.1f} {min(now - heard.at, 999.9):5.1f}"
+
+    def _freshness(self, heard: Heard, now: float) -> str:
+        return self._paint.dim if now - heard.at > OLD else ""
+
+    def _heading(self, text: str, hidden: int, width: int) -> Text:
+        more = Text(f"+{hidden} more" if hidden > 0 else "", f"reverse {self._paint.dim}")
+        line = spread(Text(text, f"reverse {self._paint.dim}"), more, width)
+        line.pad_right(max(0, width - line.cell_len))
+        line.stylize(f"reverse {self._paint.dim}")
+        return line
+
+    def _events(self, width: int, rows: int, now: float) -> list[Text]:
+        events = list(self.traffic.events)[-rows:]
+        title = self._heading("        what happened", 0, width)
+        if not events:
+            return [title, Text("        nothing yet", self._paint.dim)]
+        return [title, *(self._event(event.text, event.severity, event.times, now - event.at) for event in events)]
+
+    def _event(self, text: str, severity: int, times: int, age: float) -> Text:
+        repeated = f"  ({times} times)" if times > 1 else ""
+        style = self._paint.warn if severity >= logging.WARNING else ""
+        return Text.assemble((f" {age:4.0f} s  ", self._paint.dim), (f"{text}{repeated}", style))
+
+    def _ports(self, width: int) -> list[Text]:
+        if not self.traffic.ports:
+            return []
+        line = Text(" ")
+        for name, connected in self.traffic.ports.items():
+            line.append(f"{'●' if connected else '○'} {name}   ", self._paint.good if connected else self._paint.dim)
+        return [line]
+
+    def _how_to_connect(self, width: int) -> list[Text]:
+        return [line for text in self._connect for line in wrapped(text, width, self._paint.dim)]

@@ -1,0 +1,41 @@
+"""The page of sentences, derived from their declarations: `python -m timonel.nmea0183.reference`."""
+
+from inspect import getdoc
+
+from timonel.nmea0183.registry import SENTENCES
+from timonel.nmea0183.sentence import Sentence, layout
+from timonel.nmea0183.sentences import XDR
+
+HEAD = """# NMEA 0183 sentences
+
+Made by `python -m timonel.nmea0183.reference` from the declarations in `timonel.nmea0183.sentences`.
+Any talker is read. An empty field is `None`; a field outside its range makes the sentence malformed. Positive is
+north, east, starboard; a cross-track error is positive where the boat must steer left. Times are seconds of the
+UTC day.
+"""
+
+
+def page() -> str:
+    """The page in Markdown."""
+    return "\n".join([HEAD, *(_section(kind) for _, kind in sorted(SENTENCES.items()))])
+
+
+def _section(kind: type[Sentence]) -> str:
+    about = " ".join((getdoc(kind) or "").split())
+    return f"## {kind.__name__}\n{about}\n\n`{_notation(kind)}`\n\n{_table(kind)}"
+
+
+def _notation(kind: type[Sentence]) -> str:
+    fields = ["c--c,x.x,c--c,c--c ..."] if kind is XDR else [field.notation for field in layout(kind).values()]
+    return f"$--{kind.__name__},{','.join(fields)}*hh"
+
+
+def _table(kind: type[Sentence]) -> str:
+    if kind is XDR:
+        return "`transducers`: any number of type, value, unit and name.\n"
+    rows = [f"| `{name}` | `{field.notation}` |" for name, field in layout(kind).items()]
+    return "\n".join(["| attribute | field |", "|---|---|", *rows, ""])
+
+
+if __name__ == "__main__":
+    print(page(), end="")

@@ -1,0 +1,250 @@
+from pathlib import Path
+
+import pytest
+
+from timonel.errors import ConfigError
+from timonel.gateway.configuration import Output, Station, load, parse
+from timonel.vehicles.boat.conversion import RATES
+from timonel.vehicles.boat.settings import BoatSettings, Port
+
+DOCS = Path(__file__).parents[3] / "docs"
+
+VEHICLE = '[vehicle]\nkind = "boat"\n'
+BUS = '[bus]\nurl = "socketcan://can0"\n'
+STATION = '[[station]]\nid = 1\nurl = "pty:///tmp/bridge"\n'
+SOUND = VEHICLE + BUS + STATION
+
+
+def mistakes(text: str) -> list[str]:
+    with pytest.raises(ConfigError) as caught:
+        parse(text)
+    return str(caught.value).splitlines()
+
+
+def test_the_example_of_the_documentation_is_sound() -> None:
+    configuration = load(DOCS / "boat.toml")
+    assert configuration.stations[0] == Station(Port("Bridge", 1), "serial:///dev/ttyUSB4", "serial:///dev/ttyUSB0")
+    assert configuration.outputs == (Output("Chart plotter", "tcp-listen://127.0.0.1:10110"),)
+    assert configuration.vehicle.rates == {"HDT": 10.0, "MTW": 0.5, "XDR": 0.0}
+
+
+def test_the_page_about_the_configuration_names_every_key_and_every_sentence() -> None:
+    from timonel.gateway.configuration import KEYS
+
+    page = (DOCS / "configuration.md").read_text()
+    keys = {key for table, keys in KEYS.items() if table != "sentences" for key in keys}
+    assert [key for key in sorted(keys | RATES.keys()) if f"`{key}`" not in page] == []
+
+
+def test_what_is_not_said_has_the_defaults_of_the_specification() -> None:
+    configuration = parse(SOUND)
+    assert configuration.vehicle == BoatSettings()
+    assert (configuration.flush, configuration.log, configuration.outputs) == (0.0, "info", ())
+
+
+def test_keys_reach_the_boats_settings() -> None:
+    text = '[vehicle]\nkind = "boat"\ndialect = "ar-1.0"\nmax_age = 2\n[bus]\nurl = "loop://a"\naddress = 7\n'
+    settings = parse(text + STATION).vehicle
+    assert (settings.dialect, settings.max_age, settings.address) == ("ar-1.0", 2.0, 7)
+
+
+def test_a_sentence_is_switched_or_has_a_rate() -> None:
+    rates = parse(SOUND + "[sentences]\nHDT = true\nROT = 5\nXDR = false\nMTW = 0\n").vehicle.rates
+    assert rates == {"HDT": RATES["HDT"], "ROT": 5.0, "XDR": 0.0, "MTW": 0.0}
+
+
+def test_a_flush_time_is_in_seconds_for_the_program() -> None:
+    assert parse(SOUND + '[gateway]\nflush = "2ms"').flush == 0.002
+
+
+def test_a_link_that_does_both_is_one_link() -> None:
+    assert parse(SOUND).stations == (Station(Port("Station 1", 1), "pty:///tmp/bridge", "pty:///tmp/bridge"),)
+
+
+def test_a_shared_wire_is_bound_to_no_station() -> None:
+    text = VEHICLE + BUS + '[[station]]\nname = "UART2"\nshared = true\nurl = "serial:///dev/ttyS1"\n'
+    assert parse(text).stations[0].port == Port("UART2", None)
+
+
+def test_a_station_may_hear_nothing() -> None:
+    text = VEHICLE + BUS + '[[station]]\nid = 4\nin = "udp://:2000"\n'
+    assert parse(text).stations[0] == Station(Port("Station 4", 4), "udp://:2000", None)
+
+
+MISTAKES = {
+    "an unknown scheme": (
+        SOUND.replace("socketcan", "sockcan"),
+        'boat.toml:4, bus.url: unknown scheme "sockcan" (did you mean "socketcan"?)',
+    ),
+    "a port where a bus should be": (
+        SOUND.replace("socketcan://can0", "tcp://a:1"),
+        "boat.toml:4, bus.url: tcp://a:1: not the URL of a bus (a bus is one of socketcan, slcan, loop, file)",
+    ),
+    "a parameter of a URL": (
+        SOUND.replace("/tmp/bridge", "/tmp/bridge?mode=9"),
+        'boat.toml:7, station[1].url: pty:///tmp/bridge?mode=9: mode: "9" is not a file mode like 660',
+    ),
+    "an unknown table": (
+        SOUND + "[sentence]\n",
+        'boat.toml:8, sentence: unknown table (did you mean "sentences"?)',
+    ),
+    "a key without a table": ("speed = 3\n" + SOUND, "boat.toml:1, speed: unknown table"),
+    "a misspelt key": (
+        SOUND.replace("[bus]", "[bus]\nadress = 3"),
+        'boat.toml:4, bus.adress: unknown key (did you mean "address"?)',
+    ),
+    "a key in the wrong table": (
+        SOUND.replace("[bus]", "address = 3\n[bus]"),
+        "boat.toml:3, vehicle.address: unknown key (it belongs in [bus])",
+    ),
+    "a misspelt value": (
+        SOUND.replace("[bus]", 'dialect = "standart"\n[bus]'),
+        'boat.toml:3, vehicle.dialect: "standart" should be "ar-1.0" or "standard" (did you mean "standard"?)',
+    ),
+    "a kind of vehicle": (
+        SOUND.replace('"boat"', '"submarine"'),
+        'boat.toml:2, vehicle.kind: "submarine" should be "boat"',
+    ),
+    "text where a number should be": (
+        SOUND.replace("[bus]", 'max_age = "3 s"\n[bus]'),
+        'boat.toml:3, vehicle.max_age: "3 s" should be a number above 0, at most 3600',
+    ),
+    "no number at all": (
+        SOUND.replace("[bus]", "max_age = nan\n[bus]"),
+        "boat.toml:3, vehicle.max_age: nan should be a number above 0, at most 3600",
+    ),
+    "a whole number out of range": (
+        SOUND.replace("[bus]", "[bus]\naddress = 252"),
+        "boat.toml:4, bus.address: 252 should be a whole number 0..251",
+    ),
+    "a number where a switch should be": (
+        SOUND.replace("id = 1", "id = 1\nshared = 1"),
+        "boat.toml:7, station[1].shared: 1 should be true or false",
+    ),
+    "a list where text should be": (
+        SOUND.replace("[bus]", "name = [1]\n[bus]"),
+        "boat.toml:3, vehicle.name: a list should be text",
+    ),
+    "a table where a number should be": (
+        SOUND + "[sentences.HDT]\nrate = 3\n",
+        "boat.toml:8, sentences.HDT: a table should be true or false or a number 0..1000",
+    ),
+    "a sentence nobody knows": (
+        SOUND + "[sentences]\nhdt = 3\n",
+        'boat.toml:9, sentences.hdt: unknown key (did you mean "HDT"?)',
+    ),
+    "a station that does not exist": (
+        SOUND.replace("id = 1", "id = 5"),
+        "boat.toml:6, station[1].id: 5 should be a whole number 1..4",
+    ),
+    "a station without a number": (
+        SOUND.replace("id = 1", ""),
+        "boat.toml:5, station[1].id: missing; 1..4, or shared = true for a wire that several stations share",
+    ),
+    "a station twice": (
+        SOUND + STATION.replace("bridge", "cockpit"),
+        "boat.toml:9, station[2].id: 1 is station[1].id already",
+    ),
+    "a name twice": (
+        SOUND + '[[station]]\nid = 2\nname = "Station 1"\nurl = "pty:///tmp/b"\n',
+        'boat.toml:10, station[2].name: "Station 1" is station[1].id already',
+    ),
+    "a station nobody can speak from": (
+        VEHICLE + BUS + '[[station]]\nid = 1\nout = "pty:///tmp/b"\n',
+        "boat.toml:5, station[1].in: missing; what the station says, or url where one link does both",
+    ),
+    "a station with too many links": (
+        SOUND + 'in = "pty:///tmp/b"\n',
+        "boat.toml:7, station[1].url: one link does both; leave out in and out",
+    ),
+    "a device twice": (
+        VEHICLE + BUS + '[[station]]\nid = 1\nin = "serial:///dev/ttyS9"\nout = "serial:///dev/ttyS9?baud=9600"\n',
+        'boat.toml:8, station[1].out: "serial:///dev/ttyS9?baud=9600" is station[1].in already',
+    ),
+    "a device of the bus": (
+        SOUND.replace("socketcan://can0", "slcan:///dev/ttyS9").replace("pty:///tmp/bridge", "serial:///dev/ttyS9"),
+        'boat.toml:7, station[1].url: "serial:///dev/ttyS9" is bus.url already',
+    ),
+    "a network port twice": (
+        SOUND + 2 * '[[output]]\nurl = "tcp-listen://0.0.0.0:10110"\n',
+        'boat.toml:11, output[2].url: "tcp-listen://0.0.0.0:10110" is output[1].url already',
+    ),
+    "an output without a place": (
+        SOUND + "[[output]]\n",
+        "boat.toml:8, output[1].url: missing; where the listeners are, like tcp-listen://127.0.0.1:10110",
+    ),
+    "an output that is a bus": (
+        SOUND + '[[output]]\nurl = "loop://a"\n',
+        "boat.toml:9, output[1].url: loop://a: not the URL of a port "
+        "(a port is one of serial, pty, tcp, tcp-listen, udp)",
+    ),
+    "single brackets": (
+        VEHICLE + BUS + "[station]\nid = 1\n",
+        "boat.toml:5, station: should stand in double brackets: [[station]]",
+    ),
+    "double brackets": (
+        BUS + STATION + '[[vehicle]]\nkind = "boat"\n',
+        "boat.toml:6, vehicle: a list should be a table: [vehicle]",
+    ),
+    "nobody who hears": (
+        VEHICLE + BUS,
+        "boat.toml, station: missing; without a [[station]] or an [[output]] nobody hears anything",
+    ),
+    "no bus": (VEHICLE + STATION, "boat.toml, bus.url: missing; a bus is needed, like socketcan://can0"),
+    "no vehicle": (BUS + STATION, 'boat.toml, vehicle.kind: missing; say which: "boat"'),
+    "a mistake of TOML": (VEHICLE + "url = \n", "boat.toml:3, column 7: invalid value"),
+    "a file that is cut short": (VEHICLE + 'url = "', "boat.toml:3: unterminated string"),
+}
+
+
+@pytest.mark.parametrize("case", MISTAKES)
+def test_a_mistake_is_told_with_its_line_its_key_and_what_would_be_right(case: str) -> None:
+    text, told = MISTAKES[case]
+    assert told in mistakes(text)
+
+
+ALONE = MISTAKES.keys() - {"double brackets", "single brackets"}
+
+
+@pytest.mark.parametrize("case", sorted(ALONE))
+def test_one_mistake_is_told_once(case: str) -> None:
+    text, told = MISTAKES[case]
+    assert mistakes(text) == [told]
+
+
+def test_all_mistakes_are_told_at_once_in_the_order_of_the_file() -> None:
+    text = '[vehicle]\nkind = "bot"\n[bus]\nurl = "can0"\n[[station]]\nid = 9\n[[output]]\nurl = "x://y"\n'
+    assert [line.split(":")[1].split(",")[0] for line in mistakes(text)] == ["2", "4", "5", "6", "8"]
+
+
+def test_a_mistake_in_an_inline_table_has_the_line_of_the_table() -> None:
+    text = VEHICLE + 'bus = "x"\n' + STATION
+    assert mistakes("bus = { url = 3 }\n" + VEHICLE + STATION) == ["boat.toml:1, bus.url: 3 should be text"]
+    assert "boat.toml:3, vehicle.bus: unknown key" in mistakes(text)
+
+
+def test_a_dotted_key_is_found() -> None:
+    assert mistakes("bus.url = 3\n" + VEHICLE + STATION) == ["boat.toml:1, bus.url: 3 should be text"]
+
+
+def test_the_same_listening_port_0_may_stand_twice() -> None:
+    text = SOUND + 2 * '[[output]]\nurl = "tcp-listen://127.0.0.1:0"\n'
+    assert len(parse(text).outputs) == 2
+
+
+def test_a_device_is_the_same_under_another_name(tmp_path: Path) -> None:
+    (tmp_path / "by-id").symlink_to("/dev/ttyS9")
+    text = VEHICLE + BUS + f'[[station]]\nid = 1\nin = "serial:///dev/ttyS9"\nout = "serial://{tmp_path}/by-id"\n'
+    assert mistakes(text) == [f'boat.toml:8, station[1].out: "serial://{tmp_path}/by-id" is station[1].in already']
+
+
+def test_a_file_that_is_not_there_is_told() -> None:
+    with pytest.raises(ConfigError, match=r"nowhere/boat\.toml: No such file or directory"):
+        load("nowhere/boat.toml")
+
+
+def test_a_file_that_is_no_text_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "boat.toml"
+    path.write_bytes(b"[bus]\n\xff")
+    with pytest.raises(ConfigError, match=r"boat.toml: not UTF-8 text \(byte 6\)"):
+        load(path)
