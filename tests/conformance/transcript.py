@@ -48,9 +48,7 @@ def bus_frames(bus: Step) -> list[Frame]:
         variation=None,
         reference=HeadingReference.TRUE,
     )
-    rudder = Rudder(
-        instance=0, direction_order=None, angle_order=None, position=radians(bus["rudder_deg"])
-    )
+    rudder = Rudder(instance=0, direction_order=None, angle_order=None, position=radians(bus["rudder_deg"]))
     return [Frame(join(2, 127250, 10), heading.encode()), Frame(join(2, 127245, 11), rudder.encode())]
 
 

@@ -269,7 +269,9 @@ def test_no_word_about_command_touches_the_pilot():
             helm.receive(Command(verb), 1 + number % 4, now)
         after = pilot_state(helm.pilot, now)  # type: ignore[arg-type]
         assert [part for part in after if not isinstance(part, frozenset)] == [  # type: ignore[attr-defined]
-            part for part in state if not isinstance(part, frozenset)  # type: ignore[attr-defined]
+            part
+            for part in state
+            if not isinstance(part, frozenset)  # type: ignore[attr-defined]
         ]
 
 

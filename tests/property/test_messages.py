@@ -39,7 +39,7 @@ from timonel.nmea2000.messages.group_function import (
 
 MESSAGES = list(registry.variants())
 EVERY_MESSAGE = pytest.mark.parametrize("message", MESSAGES, ids=lambda message: message.__name__)
-FEW = settings(max_examples=15, deadline=None)
+FEW = settings(max_examples=10, deadline=None)
 WORDS = st.text(string.ascii_letters + string.digits, min_size=1, max_size=20)
 
 

@@ -81,6 +81,7 @@ class Head:
             case "a" | "e":
                 self._start("AUTO", self._station.engage())
             case "r" if not self._asking:
+                self._asking = True
                 self._start("this station commands", self._ask())
             case "t":
                 self._start("this station commands", self._station.take())
@@ -121,7 +122,6 @@ class Head:
             self._turn_left = 0
 
     async def _ask(self) -> None:
-        self._asking = True
         try:
             await self._station.request()
         finally:

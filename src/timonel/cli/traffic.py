@@ -34,7 +34,7 @@ SPOKEN = {
     "deg": (float, "°", 5),
 }
 """Units for the eye: how to come to them, what they are called, and how many decimals they deserve."""
-UNSPOKEN = ("sid", "instance", "reserved", "spare", "date", "time")
+UNSPOKEN = ("sid", "instance", "reserved", "spare", "date", "time", "age")
 
 
 class Meter:
@@ -192,11 +192,14 @@ def spoken(pgn: int, data: bytes) -> str:
 
 
 def _values(message: Message) -> list[str]:
+    """Name and value of each field, numbers first; an answer of `no` is not worth its place."""
     units = {slot.name: slot.field.unit for slot in message.layout if isinstance(slot.field, Number)}
-    values = ((name, getattr(message, name)) for name in message.__struct_fields__ if not name.startswith(UNSPOKEN))
-    return [
-        f"{name.replace('_', ' ')} {_value(value, units.get(name, ''))}" for name, value in values if value is not None
-    ]
+    values = {name: getattr(message, name) for name in message.__struct_fields__ if not name.startswith(UNSPOKEN)}
+    names = sorted(
+        (name for name in values if values[name] is not None), key=lambda name: isinstance(values[name], IntEnum)
+    )
+    texts = ((name.replace("_", " "), _value(values[name], units.get(name, ""))) for name in names)
+    return [f"{name} {text}" for name, text in texts if text != "no"]
 
 
 def _value(value: object, unit: str) -> str:

@@ -18,6 +18,9 @@ from timonel.nmea0183.parp import PilotMode
 REDRAW = 0.2  # s
 OLD = 3.0  # s after which a value says nothing about now
 RUDDER_CELLS = 7  # a side
+RUDDER_CELLS_WIDE = 18
+WIDE = 110
+EVENTS_MAX = 12
 
 
 class LiveView:
@@ -48,11 +51,11 @@ class LiveView:
 
     def page(self, width: int, height: int, now: float) -> Page:
         """The screen at `now` (s). The tables share the lines that the rest leaves."""
-        head = [self._title(width, now), *self._pilot(width), *self._alerts(width)]
-        foot = [*self._ports(width), *self._how_to_connect(width)]
+        head = [self._title(width, now), self._pilot(width), self._stations(), *self._alerts(width)]
+        foot = self._how_to_connect(width)
         room = height - len(head) - len(foot) - 3
-        events = max(1, min(len(self.traffic.events) or 1, room // 5))
-        messages = min(len(self.traffic.messages), max(1, (room - events) * 3 // 5))
+        events = max(1, min(EVENTS_MAX, room // 5 + 1))
+        messages = min(len(self.traffic.messages), max(1, (room - events) // 2))
         sentences = max(0, room - events - messages)
         lines = [
             *head,
@@ -72,25 +75,30 @@ class LiveView:
         )
         return spread(Text(f" {self._title_text}", self._paint.value), Text(rates, self._paint.dim), width - 1)
 
-    def _pilot(self, width: int) -> list[Text]:
+    def _pilot(self, width: int) -> Text:
         paint, status = self._paint, self.traffic.status
         if status is None:
-            return [Text(" no STATUS yet", paint.dim)]
+            return Text(" no STATUS yet", paint.dim)
         alarm = status.mode is PilotMode.ALARM
         mode = (status.mode.value if status.mode else status.mode_text or "unknown").replace("_", " ")
-        port, starboard = bar(status.rudder_deg, RUDDER_CELLS)
-        who = f"{status.commander:02d} {NAMES[status.commander]}" if status.commander else "nobody"
-        pilot = Text.assemble(
-            " ", (f" {mode} ", paint.bad if alarm else f"reverse {paint.value}"),
+        port, starboard = bar(status.rudder_deg, RUDDER_CELLS if width < WIDE else RUDDER_CELLS_WIDE)
+        return Text.assemble(
+            " ", (f" {mode:<12} ", paint.bad if alarm else f"reverse {paint.value}"),
             ("  set ", paint.dim), (angle(status.setpoint_deg), paint.value),
             ("  heading ", paint.dim), (angle(status.heading_deg), paint.value),
             ("  P▕", paint.dim), (port, paint.port), "│", (starboard, paint.starboard), ("▏S ", paint.dim),
             (rudder_text(status.rudder_deg), paint.value),
         )  # fmt: skip
-        command = Text.assemble(("command ", paint.dim), (who, paint.value))
-        if pilot.cell_len + command.cell_len + 2 > width:
-            return [pilot, Text.assemble(" ", command)]
-        return [spread(pilot, command, width - 1)]
+
+    def _stations(self) -> Text:
+        paint, status = self._paint, self.traffic.status
+        who = (
+            "nobody" if status is None or not status.commander else f"{status.commander:02d} {NAMES[status.commander]}"
+        )
+        line = Text.assemble("  ", ("command ", paint.dim), (f"{who:<12}", paint.value))
+        for name, connected in self.traffic.ports.items():
+            line.append(f"  {'●' if connected else '○'} {name}", paint.good if connected else paint.dim)
+        return line
 
     def _alerts(self, width: int) -> list[Text]:
         alerts = sorted(self.traffic.alerts.values(), key=lambda alert: alert.kind.priority)
@@ -102,21 +110,21 @@ class LiveView:
 
     def _messages(self, width: int, rows: int, now: float) -> list[Text]:
         heard = self.traffic.by_importance()
-        title = self._heading("   PGN  message                    /s   age  values", len(heard) - rows, width)
+        title = self._heading("   PGN  message                 /s   age  values", len(heard) - rows, width)
         return [title, *(self._message(pgn, message, now) for pgn, message in heard[:rows])]
 
     def _message(self, pgn: int, heard: Heard, now: float) -> Text:
-        text = f"{pgn:6d}  {heard.name[:24]:<24} {self._pace(heard, now)}  {spoken(pgn, heard.last)}"
+        text = f"{pgn:6d}  {heard.name[:21]:<21} {self._pace(heard, now)}  {spoken(pgn, heard.last)}"
         return Text(text, self._freshness(heard, now))
 
     def _sentences(self, width: int, rows: int, now: float) -> list[Text]:
         heard = list(self.traffic.sentences.values())
-        title = self._heading("        sentence                   /s   age  last", len(heard) - rows, width)
+        title = self._heading("sentence       /s   age  last", len(heard) - rows, width)
         return [title, *(self._sentence(sentence, now) for sentence in heard[:rows])]
 
     def _sentence(self, heard: Heard, now: float) -> Text:
         last = heard.last.decode("ascii", "replace")
-        return Text(f"        {heard.name[:24]:<24} {self._pace(heard, now)}  {last}", self._freshness(heard, now))
+        return Text(f" {heard.name[:11]:<11} {self._pace(heard, now)}  {last}", self._freshness(heard, now))
 
     def _pace(self, heard: Heard, now: float) -> str:
         return f"{heard.meter.rate(now):5.1f} {min(now - heard.at, 999.9):5.1f}"
@@ -133,23 +141,15 @@ class LiveView:
 
     def _events(self, width: int, rows: int, now: float) -> list[Text]:
         events = list(self.traffic.events)[-rows:]
-        title = self._heading("        what happened", 0, width)
+        title = self._heading("  happened", 0, width)
         if not events:
-            return [title, Text("        nothing yet", self._paint.dim)]
+            return [title, Text("  nothing yet", self._paint.dim)]
         return [title, *(self._event(event.text, event.severity, event.times, now - event.at) for event in events)]
 
     def _event(self, text: str, severity: int, times: int, age: float) -> Text:
         repeated = f"  ({times} times)" if times > 1 else ""
         style = self._paint.warn if severity >= logging.WARNING else ""
         return Text.assemble((f" {age:4.0f} s  ", self._paint.dim), (f"{text}{repeated}", style))
-
-    def _ports(self, width: int) -> list[Text]:
-        if not self.traffic.ports:
-            return []
-        line = Text(" ")
-        for name, connected in self.traffic.ports.items():
-            line.append(f"{'●' if connected else '○'} {name}   ", self._paint.good if connected else self._paint.dim)
-        return [line]
 
     def _how_to_connect(self, width: int) -> list[Text]:
         return [line for text in self._connect for line in wrapped(text, width, self._paint.dim)]

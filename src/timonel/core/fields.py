@@ -28,7 +28,6 @@ import msgspec
 from timonel.errors import EncodeError
 
 FULL_CIRCLE = {False: 2 * math.pi, True: math.pi}
-FLOAT_MARGIN = 1 << 13  # a float cannot tell the highest 64-bit numbers from those that are none
 SECONDS_OF_DAY = 86401  # a leap second may make it one more than a day has
 
 
@@ -93,9 +92,8 @@ class Number(Fixed, frozen=True):
     @cached_property
     def range(self) -> tuple[int, int]:
         """The lowest and highest valid raw value."""
-        margin = FLOAT_MARGIN if self.bits > 53 and not self.integral else 0
-        highest = self.not_available - self.specials - margin
-        lowest = -self.not_available + margin if self.signed else 0
+        highest = self.not_available - self.specials
+        lowest = -self.not_available if self.signed else 0
         if self.magnitude is None:
             return lowest, highest
         bound = round(self.magnitude / self.resolution)

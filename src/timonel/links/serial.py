@@ -37,18 +37,19 @@ def open_serial(path: str, baud: int) -> "Serial":
     return port
 
 
-def close_serial(port: "Serial") -> None:
-    """Close at once: without the flush a driver may wait for a wire that takes no more."""
-    with suppress(termios.error, OSError):
-        termios.tcflush(port.fileno(), termios.TCOFLUSH)
-    port.close()
-
-
 def held_by_driver(fd: int) -> int:
     """Bytes that the driver has taken and not sent yet."""
     with suppress(OSError):
         return int(struct.unpack("i", fcntl.ioctl(fd, termios.TIOCOUTQ, bytes(4)))[0])
     return 0
+
+
+def close_serial(port: "Serial") -> None:
+    """Close at once: a driver that still holds something may wait half a minute for a line that is stuck."""
+    if held_by_driver(port.fileno()):
+        with suppress(termios.error):
+            termios.tcflush(port.fileno(), termios.TCOFLUSH)
+    port.close()
 
 
 def room_on_line(fd: int, baud: int) -> int:
@@ -74,7 +75,7 @@ class SerialLink(OnSerial[bytes], Port):
 
     async def _make_wire(self) -> Wire:
         port = await self._open_serial()
-        fd = port.fileno()
+        self._fd = fd = port.fileno()
         return Wire(
             fd,
             receive=self._receive,
@@ -83,3 +84,6 @@ class SerialLink(OnSerial[bytes], Port):
             tally=self._tally,
             room=partial(room_on_line, fd, self.baud),
         )
+
+    def _pending(self) -> bool:
+        return self._wire is not None and (self._wire.pending or held_by_driver(self._fd) > 0)

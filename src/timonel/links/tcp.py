@@ -4,6 +4,7 @@
 """
 
 import asyncio
+import errno
 import os
 import socket
 from typing import ClassVar
@@ -59,6 +60,9 @@ class TcpLink(Port):
                 stream.setblocking(False)
                 prepare(stream)
                 await self._loop.sock_connect(stream, address)
+                if stream.getsockname() == stream.getpeername():
+                    # what trying again and again at a free port of one's own machine comes to in the end
+                    raise OSError(errno.ECONNREFUSED, "connected to itself")
             except OSError as refusal:
                 stream.close()
                 # without the address, which asyncio puts into the text

@@ -138,6 +138,8 @@ def _parameter(scheme: Scheme, key: str, text: str) -> Value:
 def _path(parts: SplitResult) -> Values:
     if not (path := unquote(parts.netloc + parts.path)):
         raise LinkError("a path is missing")
+    if "\0" in path:
+        raise LinkError("a path cannot hold a NUL")
     return {"path": path}
 
 
@@ -161,6 +163,7 @@ def _host_and_port(parts: SplitResult, lowest: int = 1) -> Values:
         raise LinkError("only host and port can stand here")
     if not parts.hostname:
         raise LinkError("a host is missing (127.0.0.1 is this machine alone, 0.0.0.0 all its networks)")
+    parts.hostname.encode("idna")  # what a resolver would trip over: ValueError
     return {"host": parts.hostname, "port": _port(parts, lowest)}
 
 

@@ -8,6 +8,7 @@ import asyncio
 import os
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import TypeVar
 
 from timonel.core.effects import Say
@@ -19,6 +20,7 @@ Incoming = TypeVar("Incoming")
 
 READ_AT_ONCE = 4096  # no more at a time from one port, so that a flood on it leaves the others their turn
 WRITE_AT_ONCE = 65536
+LAST_WORDS = 16  # such pieces at most
 RETRY = 0.02
 
 
@@ -54,6 +56,8 @@ class Wire:
         self._stale_after = stale_after
         self._backlog = Backlog(tally, urgent_max=urgent_max)
         self._broken = False
+        self._closed = False
+        self._ready = room is None  # nothing waits, and room need not be asked for
         self._moved = 0.0
         self._retry: asyncio.TimerHandle | None = None
         self._loop = asyncio.get_running_loop()
@@ -64,25 +68,34 @@ class Wire:
         """Whether lines wait that could still be written."""
         return bool(self._backlog) and not self._broken
 
+    # Once a batch and link: what is ready costs one write and little else.
     def send(self, lines: Sequence[Say]) -> None:
+        if self._ready and lines:
+            self._send_now(lines[0].line if len(lines) == 1 else b"".join([say.line for say in lines]), lines)
+        else:
+            self._send_unready(lines)
+
+    def _send_now(self, data: bytes, lines: Sequence[Say]) -> None:
+        written = self._write(data)
+        if written != len(data):
+            self._backlog.keep(lines, written)
+            self._wait_for_room()
+
+    def _send_unready(self, lines: Sequence[Say]) -> None:
         if self._broken:
             self._tally.dropped += len(lines)
         elif self._backlog:
             self._backlog.add(lines)
-        elif lines:
-            self._send_now(lines)
+        elif self._room is not None and lines:
+            self._send_by_room(lines, self._room())
 
-    def _send_now(self, lines: Sequence[Say]) -> None:
+    def _send_by_room(self, lines: Sequence[Say], room: int) -> None:
         data = b"".join([say.line for say in lines])
-        fits = self._room is None or len(data) <= self._room()
-        written = self._write(data) if fits else 0
-        if written == len(data):
-            return
-        self._backlog.keep(lines, written)
-        self._moved = self._loop.time()
-        if fits:
-            self._wait_for_room()
+        if len(data) <= room:
+            self._send_now(data, lines)
         else:
+            self._backlog.add(lines)
+            self._moved = self._loop.time()
             self._flush()
 
     def _write(self, data: bytes) -> int:
@@ -99,7 +112,9 @@ class Wire:
     def _wait_for_room(self) -> None:
         if self._broken:
             return
+        self._moved = self._loop.time()
         if self._room is None:
+            self._ready = False
             self._loop.add_writer(self._fd, self._flush)
         else:
             self._retry = self._loop.call_later(RETRY, self._flush)
@@ -109,14 +124,16 @@ class Wire:
         if self._stale_after is not None and now - self._moved > self._stale_after:
             self._backlog.clear()
         data = self._backlog.head(WRITE_AT_ONCE if self._room is None else self._room())
-        written = self._write(data) if data else 0
-        if written:
+        if data and (written := self._write(data)):
             self._moved = now
             self._backlog.written(written)
-        if self._room is not None and self._backlog:
-            self._wait_for_room()
-        elif not self._backlog:
+        if self._broken:
+            return
+        if not self._backlog:
+            self._ready = self._room is None
             self._loop.remove_writer(self._fd)
+        elif self._room is not None:
+            self._retry = self._loop.call_later(RETRY, self._flush)
 
     def _readable(self) -> None:
         try:
@@ -126,19 +143,33 @@ class Wire:
         except OSError as fault:
             self._break(text_of(fault))
             return
-        if not data:
+        if data:
+            self._hear(data)
+        else:
             self._break("closed by the other side")
-            return
+
+    def _hear(self, data: bytes) -> None:
         self._tally.bytes_in += len(data)
         self._receive(data)
 
     def _break(self, reason: str) -> None:
         if not self._broken:
             self._stop()
-            self._loop.call_soon(self._lost, reason)
+            self._loop.call_soon(self._end, reason)
+
+    def _end(self, reason: str) -> None:
+        """Hear the last words (a write can fail before we have read them), then tell of the loss."""
+        if self._closed:
+            return
+        with suppress(OSError):
+            for _ in range(LAST_WORDS):
+                if data := os.read(self._fd, READ_AT_ONCE):
+                    self._hear(data)
+        self._lost(reason)
 
     def _stop(self) -> None:
         self._broken = True
+        self._ready = False
         self._loop.remove_reader(self._fd)
         self._loop.remove_writer(self._fd)
         if self._retry is not None:
@@ -148,6 +179,7 @@ class Wire:
         """Give the descriptor back; what still waits is dropped and counted."""
         if not self._broken:
             self._stop()
+        self._closed = True
         self._backlog.clear()
         self._release()
 

@@ -35,8 +35,7 @@ class Ear:
 
 
 class Adapter:
-    """A USB serial adapter played by a pseudo-terminal: always found at `path`, a new device at every
-    plugging."""
+    """A USB serial adapter played by a pseudo-terminal: one path, a new device at every plugging."""
 
     def __init__(self, path: Path) -> None:
         self.path = path

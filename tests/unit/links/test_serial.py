@@ -198,6 +198,33 @@ def test_close_lets_what_waits_go_out(tmp_path, monkeypatch):
     asyncio.run(session())
 
 
+def test_close_waits_for_what_the_driver_still_holds(tmp_path, monkeypatch):
+    held = 0
+    monkeypatch.setattr(serial, "held_by_driver", lambda fd: held)
+
+    async def session():
+        nonlocal held
+        async with plugged(tmp_path) as (_, link, _):
+            link.send([line("last words")])
+            held = 12
+            closing = asyncio.create_task(link.close(drain=10))
+            await asyncio.sleep(0.03)
+            assert not closing.done()
+            held = 0
+            await closing
+
+    asyncio.run(session())
+
+
+def test_two_lines_of_one_kind_in_one_batch_both_go_out(tmp_path):
+    async def session():
+        async with plugged(tmp_path) as (adapter, link, _):
+            link.send([line("$IIXDR,1", "XDR"), line("$IIXDR,2", "XDR")])
+            await hears(adapter, b"$IIXDR,1\r\n$IIXDR,2\r\n")
+
+    asyncio.run(session())
+
+
 def test_close_does_not_wait_for_a_line_that_never_moves(tmp_path, monkeypatch):
     monkeypatch.setattr(serial, "held_by_driver", lambda fd: 2000)
 

@@ -15,8 +15,7 @@ DRIVE = Frame(100, bytes.fromhex("9c00"), extended=False)
 
 
 class Bus:
-    """Plays the kernel: the far end of a socket that keeps the bounds of what is written, like a raw CAN
-    socket."""
+    """Plays the kernel: the far end of a socket that keeps frames apart, like a raw CAN socket."""
 
     def __init__(self) -> None:
         self.opened = 0

@@ -119,6 +119,29 @@ def test_a_server_that_never_answers_is_given_up_and_tried_again(monkeypatch):
     asyncio.run(session())
 
 
+def test_a_client_that_reached_itself_is_not_connected():
+    async def session():
+        with socket.socket() as reserved:
+            reserved.bind(("127.0.0.1", 0))
+            port = reserved.getsockname()[1]
+        loop = asyncio.get_running_loop()
+        connect = loop.sock_connect
+
+        async def connect_to_itself(stream: socket.socket, address: tuple[str, int]) -> None:
+            stream.bind(address)
+            await connect(stream, address)
+
+        loop.sock_connect = connect_to_itself
+        ear = Ear()
+        link = TcpLink("127.0.0.1", port)
+        await link.open(ear.receive, ear.changed)
+        await until(lambda: ear.changes)
+        assert ear.changes == [(False, "Connection refused")]
+        await link.close()
+
+    asyncio.run(session())
+
+
 def test_close_ends_a_link_that_is_not_connected_and_one_that_was_never_opened():
     async def session():
         link = TcpLink("127.0.0.1", 1)

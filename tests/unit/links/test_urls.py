@@ -44,6 +44,8 @@ BAD = {
     "serial:///dev/ttyUSB0?baud=4800&baud=9600": "baud is given twice",
     "serial:///dev/ttyUSB0?baud": "bad query field: 'baud'",
     "serial://": "a path is missing",
+    "serial:///dev/tty%00": "a path cannot hold a NUL",
+    "tcp://host..name:1": "label empty or too long",
     "pty://x?mode=888": 'mode: "888" is not a file mode like 660',
     "tcp://host": "a port is missing (host:port)",
     "tcp://host:0": "port 0 is below 1",

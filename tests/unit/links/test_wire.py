@@ -112,6 +112,32 @@ def test_a_hang_up_is_told_once_and_nothing_is_read_or_written_after_it():
     asyncio.run(session())
 
 
+def test_the_last_words_of_one_who_left_are_heard_although_a_write_failed_first():
+    async def session():
+        with wired() as (wire, far, heard, losses, tally):
+            far.send(b"$PARP,TAKECMD,01*XX\r\n")
+            far.close()
+            wire.send([line("$IIHDT,1.0,T")])
+            await until(lambda: losses)
+            assert heard == [b"$PARP,TAKECMD,01*XX\r\n"]
+            assert tally.bytes_out == 0
+
+    asyncio.run(session())
+
+
+def test_a_wire_closed_at_the_moment_it_breaks_reads_nothing_more():
+    async def session():
+        with wired() as (wire, far, heard, losses, _):
+            far.send(b"$PARP,TAKECMD,01*XX\r\n")
+            far.close()
+            wire.send([line("$IIHDT,1.0,T")])
+            wire.close()
+            await asyncio.sleep(0.01)
+            assert (heard, losses) == ([], [])
+
+    asyncio.run(session())
+
+
 def test_the_end_of_a_stream_is_a_loss():
     async def session():
         with wired() as (_, far, _, losses, _):

@@ -33,6 +33,9 @@ from timonel.nmea2000.lookups import (
 )
 
 
+ALTITUDE = 9.2e12  # m; a float cannot tell higher values in 64 bits from those that are not available
+
+
 class SystemTime(Message, pgn=126992):
     """PGN 126992: date and time UTC, and whose clock it is.
 
@@ -132,7 +135,7 @@ class GnssPositionData(Message, pgn=129029):
     time: Annotated[float | None, TimeOfDay()] = None
     latitude: Annotated[float | None, I64(1e-16, "deg", limit=90)] = None
     longitude: Annotated[float | None, I64(1e-16, "deg", limit=180)] = None
-    altitude: Annotated[float | None, I64(1e-6, "m")] = None
+    altitude: Annotated[float | None, I64(1e-6, "m", limit=ALTITUDE)] = None
     gnss_type: Annotated[GnssType | None, Lookup(4, GnssType)] = None
     method: Annotated[GnssMethod | None, Lookup(4, GnssMethod)] = None
     integrity: Annotated[GnssIntegrity, Lookup(2, GnssIntegrity)] = GnssIntegrity.NO_INTEGRITY_CHECKING

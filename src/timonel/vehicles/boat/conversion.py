@@ -103,6 +103,11 @@ def deg(angle: float | None) -> float | None:
     return None if angle is None else degrees(angle)
 
 
+def direction(angle: float | None) -> float | None:
+    """Degrees 0..360 of rad. A full turn in steps of 1e-4 rad is a little more than one."""
+    return None if angle is None else degrees(angle) % 360.0
+
+
 def scaled(value: float | None, unit: float) -> float | None:
     """`value` in units of `unit`, None of None."""
     return None if value is None else value / unit
@@ -117,27 +122,31 @@ def yes(answer: YesNo | None) -> bool | None:
 
 
 def hdt(truth: Truth, message: VesselHeading, now: float) -> Sentence | None:
-    heading = truth.true_heading(now)
-    return None if heading is None else s.HDT(degrees(heading))
+    heading = truth.true.value
+    return s.HDT(degrees(heading.angle)) if heading is not None and heading.message is message else None
 
 
 def ths(truth: Truth, message: VesselHeading, now: float) -> Sentence | None:
-    heading = truth.true_heading(now)
-    return None if heading is None else s.THS(degrees(heading), s.HeadingMode.AUTONOMOUS)
+    heading = truth.true.value
+    if heading is None or heading.message is not message:
+        return None
+    return s.THS(degrees(heading.angle), s.HeadingMode.AUTONOMOUS)
 
 
 def hdm(truth: Truth, message: VesselHeading, now: float) -> Sentence | None:
-    heading = truth.magnetic_heading(now)
-    return None if heading is None else s.HDM(degrees(heading))
+    heading = truth.magnetic.value
+    return s.HDM(degrees(heading.angle)) if heading is not None and heading.message is message else None
 
 
 def hdg(truth: Truth, message: VesselHeading, now: float) -> Sentence | None:
     """The compass as it reads; one that tells true headings is taken back to the magnetic one."""
+    heading = truth.magnetic.value
+    if heading is None or heading.message is not message:
+        return None
+    variation = message.variation if message.variation is not None else truth.variation(now)
     if message.reference is HeadingReference.MAGNETIC:
-        variation = message.variation if message.variation is not None else truth.variation(now)
-        return s.HDG(deg(message.heading), deg(message.deviation), deg(variation))
-    heading = truth.magnetic_heading(now)
-    return None if heading is None else s.HDG(degrees(heading), None, deg(truth.variation(now)))
+        return s.HDG(direction(message.heading), deg(message.deviation), deg(variation))
+    return s.HDG(degrees(heading.angle), None, deg(variation))
 
 
 def rot(truth: Truth, message: RateOfTurn, now: float) -> Sentence | None:
@@ -169,14 +178,14 @@ def htd(truth: Truth, message: HeadingTrackControl, now: float) -> Sentence | No
         off_heading_limit_deg=deg(message.off_heading_limit),
         radius_nm=None if (radius := message.radius_of_turn_order) is None else abs(radius) / MILE,
         rate_deg_min=None if (rate := message.rate_of_turn_order) is None else degrees(rate) * MINUTE,
-        heading_to_steer_deg=deg(message.heading_to_steer_course),
+        heading_to_steer_deg=direction(message.heading_to_steer_course),
         off_track_limit_nm=None if (limit := message.off_track_limit) is None else abs(limit) / MILE,
-        track_deg=deg(message.track),
+        track_deg=direction(message.track),
         reference=_reference(message.heading_reference),
         within_rudder_limit=_within(message.rudder_limit_exceeded),
         within_off_heading_limit=_within(message.off_heading_limit_exceeded),
         within_off_track_limit=_within(message.off_track_limit_exceeded),
-        heading_deg=deg(message.vessel_heading),
+        heading_deg=direction(message.vessel_heading),
     )
     empty = s.HTD(reference=sentence.reference)
     return None if sentence == empty else sentence
@@ -256,7 +265,7 @@ def rmc(truth: Truth, message: CogSogRapidUpdate, now: float) -> Sentence | None
         latitude_deg=latitude,
         longitude_deg=longitude,
         speed_kn=scaled(message.sog, KNOT),
-        course_deg=deg(truth.to_true(message.cog, message.cog_reference, now)),
+        course_deg=direction(truth.to_true(message.cog, message.cog_reference, now)),
         date=None if clock is None else EPOCH + timedelta(days=clock.day),
         variation_deg=deg(truth.variation(now)),
         mode=s.Mode.NOT_VALID if position is None else _mode(truth, now),
@@ -266,8 +275,8 @@ def rmc(truth: Truth, message: CogSogRapidUpdate, now: float) -> Sentence | None
 def vtg(truth: Truth, message: CogSogRapidUpdate, now: float) -> Sentence | None:
     course, reference = message.cog, message.cog_reference
     return s.VTG(
-        deg(truth.to_true(course, reference, now)),
-        deg(truth.to_magnetic(course, reference, now)),
+        direction(truth.to_true(course, reference, now)),
+        direction(truth.to_magnetic(course, reference, now)),
         scaled(message.sog, KNOT),
         None if message.sog is None else message.sog * 3.6,
         _mode(truth, now),
@@ -294,7 +303,7 @@ def zda(truth: Truth, message: Message, now: float) -> Sentence | None:
     if clock is None:
         return None
     day = EPOCH + timedelta(days=clock.day)
-    return s.ZDA(clock.second, day.day, day.month, day.year, 0, 0)
+    return s.ZDA(clock.second, day.day, day.month, day.year)
 
 
 # Wind -------------------------------------------------------------------------------------------
@@ -314,7 +323,7 @@ def mwv(truth: Truth, message: WindData, now: float) -> Sentence | None:
     if message.reference not in MWV_REFERENCES:
         return None
     reference = MWV_REFERENCES[message.reference]
-    return s.MWV(deg(message.wind_angle), reference, scaled(message.wind_speed, KNOT), s.SpeedUnit.KNOTS, True)
+    return s.MWV(direction(message.wind_angle), reference, scaled(message.wind_speed, KNOT), s.SpeedUnit.KNOTS, True)
 
 
 def mwv_relative(truth: Truth, message: WindData, now: float) -> Sentence | None:
@@ -328,10 +337,10 @@ def mwv_theoretical(truth: Truth, message: WindData, now: float) -> Sentence | N
 def mwd(truth: Truth, message: WindData, now: float) -> Sentence | None:
     if message.reference not in NORTHS:
         return None
-    direction, north = message.wind_angle, NORTHS[message.reference]
+    angle, north = message.wind_angle, NORTHS[message.reference]
     return s.MWD(
-        deg(truth.to_true(direction, north, now)),
-        deg(truth.to_magnetic(direction, north, now)),
+        direction(truth.to_true(angle, north, now)),
+        direction(truth.to_magnetic(angle, north, now)),
         scaled(message.wind_speed, KNOT),
         message.wind_speed,
     )
@@ -358,6 +367,8 @@ def _xte_mode(message: CrossTrackError) -> s.Mode:
 
 
 def xte(truth: Truth, message: CrossTrackError, now: float) -> Sentence | None:
+    if message.xte is None:
+        return None
     valid = _on_leg(message)
     return s.XTE(valid, valid, scaled(message.xte, MILE), _xte_mode(message))
 
@@ -384,7 +395,7 @@ def rmb(truth: Truth, message: NavigationData, now: float) -> Sentence | None:
         latitude_deg=message.destination_latitude,
         longitude_deg=message.destination_longitude,
         range_nm=scaled(message.distance_to_waypoint, MILE),
-        bearing_deg=deg(truth.to_true(bearing, message.course_bearing_reference, now)),
+        bearing_deg=direction(truth.to_true(bearing, message.course_bearing_reference, now)),
         closing_speed_kn=scaled(message.waypoint_closing_velocity, KNOT),
         arrived=_arrived(message),
         mode=_xte_mode(leg),
@@ -397,14 +408,14 @@ def apb(truth: Truth, message: NavigationData, now: float) -> Sentence | None:
     if leg is None:
         return None
     reference = _reference(message.course_bearing_reference)
-    bearing = deg(message.bearing_position_to_destination_waypoint)
+    bearing = direction(message.bearing_position_to_destination_waypoint)
     return s.APB(
         valid=_on_leg(leg),
         locked=_on_leg(leg),
         cross_track_error_nm=scaled(leg.xte, MILE),
         arrived=yes(message.arrival_circle_entered),
         perpendicular_passed=yes(message.perpendicular_crossed),
-        leg_bearing_deg=deg(message.bearing_origin_to_destination_waypoint),
+        leg_bearing_deg=direction(message.bearing_origin_to_destination_waypoint),
         leg_bearing_reference=reference,
         destination=_waypoint(truth, message.destination_waypoint_number),
         bearing_deg=bearing,
@@ -481,18 +492,18 @@ HEAR: dict[type[Message], Hear] = {
     steering.MagneticVariation: Truth.hear_variation,
     Rudder: Truth.hear_rudder,
     HeadingTrackControl: Truth.hear_pilot,
-    RateOfTurn: Truth.hear,
-    Attitude: Truth.hear,
-    Speed: Truth.hear,
-    DistanceLog: Truth.hear,
-    WaterDepth: Truth.hear,
+    RateOfTurn: Truth.hear_rate,
+    Attitude: Truth.hear_attitude,
+    Speed: Truth.hear_speed,
+    DistanceLog: Truth.hear_log,
+    WaterDepth: Truth.hear_depth,
     navigation.PositionRapidUpdate: Truth.hear_position,
     GnssPositionData: Truth.hear_fix,
     CogSogRapidUpdate: Truth.hear_course,
     navigation.SystemTime: Truth.hear_system_time,
     navigation.TimeDate: Truth.hear_time_date,
     CrossTrackError: Truth.hear_cross_track,
-    NavigationData: Truth.hear,
+    NavigationData: Truth.hear_navigation,
     navigation.NavigationRouteWpInformation: Truth.hear_route,
     WindData: Truth.hear_wind,
     environment.TemperatureExtendedRange: Truth.hear_extended_temperature,

@@ -29,7 +29,7 @@ from timonel.nmea2000.messages.network import IsoAddressClaim
 from timonel.nmea2000.messages.raymarine import SeatalkPilotLockedHeading, SeatalkPilotMode
 from timonel.nmea2000.messages.steering import HeadingTrackControl
 from timonel.vehicles.boat.pilot import Mode
-from timonel.vehicles.boat.truth import Datum, kind
+from timonel.vehicles.boat.truth import Datum
 
 AUTOPILOT = (DeviceClass.STEERING_AND_CONTROL, 150)
 NAVICO = (ManufacturerCode.NAVICO, ManufacturerCode.SIMRAD, ManufacturerCode.B_AND_G)
@@ -140,4 +140,4 @@ class PilotReports:
             rank = 1
         else:
             rank = 0 if (name.device_class, name.device_function) == AUTOPILOT else 2
-        return self._pilot.offer(source, now, *kind(source, rank))
+        return self._pilot.offer(source, now, source, rank)

@@ -2,7 +2,8 @@
 
 Several devices may tell the same thing, some of them nonsense. A datum keeps to one source while that one
 tells something valid; a source of better rank takes over at once, any other when the present one has been
-silent for `hold` seconds. A value older than the boat's age limit is no value. All values are in SI.
+silent for `hold` seconds or takes back what it told (a heading that is not available, a fix that is lost). A
+value older than the boat's age limit is no value. All values are in SI.
 
 true = magnetic + variation, magnetic = compass + deviation, east positive.
 """
@@ -11,8 +12,9 @@ from collections.abc import Callable
 from math import tau
 from typing import Generic, TypeVar
 
-from timonel.core.message import Message
-from timonel.nmea2000.lookups import GnssMethod, HeadingReference, TemperatureSource
+import msgspec
+
+from timonel.nmea2000.lookups import GnssMethod, HeadingReference, TemperatureSource, WindReference
 from timonel.nmea2000.messages.environment import (
     EnvironmentalParameters,
     EnvironmentalParametersObsolete,
@@ -54,16 +56,16 @@ SECONDS_A_DAY = 86400
 FIRST_DAY = 10957  # 2000-01-01: no NMEA 2000 device is older, but many say 1970 before they have a fix
 MOST_WAYPOINTS = 1000  # names kept; a route has fewer
 TIME_AGE = 2.0  # s that a clock reading may be used for a position
+NEVER = float("-inf")
 
-
-ESSENTIAL: dict[type[Message], str] = {
-    Speed: "speed_water_referenced",
-    WaterDepth: "depth",
-    DistanceLog: "log",
-    RateOfTurn: "rate",
-    Attitude: "roll",
-    NavigationData: "bearing_position_to_destination_waypoint",
+WINDS = {
+    WindReference.APPARENT: (WindReference.APPARENT, 0),
+    WindReference.TRUE_WATER: (WindReference.TRUE_WATER, 0),
+    WindReference.TRUE_BOAT: (WindReference.TRUE_WATER, 2),
+    WindReference.TRUE_NORTH: (WindReference.TRUE_NORTH, 0),
+    WindReference.MAGNETIC_NORTH: (WindReference.TRUE_NORTH, 2),
 }
+"""Which wind a reference tells of, and its rank: one is felt, one is against the water, one has a direction."""
 
 
 class Datum(Generic[T]):
@@ -75,26 +77,36 @@ class Datum(Generic[T]):
         self._hold = hold
         self._source = -1
         self._rank = 0
-        self._heard = float("-inf")
+        self._heard = NEVER
         self.value: T | None = None
 
     def offer(self, value: T, now: float, source: int, rank: int = 0) -> bool:
-        """Take `value` if `source` is the one to listen to; a lower `rank` is a better source."""
-        if source != self._source and rank >= self._rank and now - self._heard < self._hold:
+        """Take `value` if `source` is the one to listen to; a lower `rank` is a better source.
+
+        A device that tells the same thing in several ways has a rank for each.
+        """
+        if rank >= self._rank and (source != self._source or rank > self._rank) and now - self._heard < self._hold:
             return False
         self._source, self._rank = source, rank
         self.value = value
         self._heard = now
         return True
 
+    def withdraw(self, source: int) -> None:
+        """`source` takes back what it told: there is no value, and whoever speaks next is heard."""
+        if source == self._source:
+            self._heard = NEVER
+
     def at(self, now: float, age: float) -> T | None:
         """The value if it is younger than `age` seconds."""
         return self.value if now - self._heard < age else None
 
 
-def kind(source: int, rank: int) -> tuple[int, int]:
-    """`source` and `rank` for `offer`, where one device tells the same thing by messages of several ranks."""
-    return rank << 8 | source, rank
+class Heading(msgspec.Struct, frozen=True, gc=False):
+    """Where the bow points, 0..2 pi, and the message that told it."""
+
+    angle: float
+    message: VesselHeading
 
 
 class Clock:
@@ -119,69 +131,117 @@ class Truth:
         self._age = age
         self._model = variation_model
         self._modelled: tuple[tuple[int, int, int], float] | None = None
-        self.true_compass: Datum[VesselHeading] = Datum(FAST)
-        self.magnetic_compass: Datum[VesselHeading] = Datum(FAST)
+        self.true: Datum[Heading] = Datum(FAST)
+        self.magnetic: Datum[Heading] = Datum(FAST)
         self.told_variation: Datum[float] = Datum(SLOW)
+        self.rate: Datum[RateOfTurn] = Datum(FAST)
+        self.attitude: Datum[Attitude] = Datum(SLOW)
         self.rudder: Datum[float] = Datum(FAST)
         self.position: Datum[tuple[float, float]] = Datum(FAST)
         self.fix: Datum[GnssPositionData] = Datum(SLOW)
         self.course: Datum[CogSogRapidUpdate] = Datum(FAST)
         self.clock: Datum[Clock] = Datum(SLOW)
+        self.speed: Datum[Speed] = Datum(SLOW)
+        self.depth: Datum[WaterDepth] = Datum(SLOW)
+        self.log: Datum[DistanceLog] = Datum(SLOW)
+        self.pilot: Datum[HeadingTrackControl] = Datum(SLOW)
+        self.navigation: Datum[NavigationData] = Datum(SLOW)
         self.cross_track: Datum[CrossTrackError] = Datum(SLOW)
         self.waypoint_names: dict[int, str] = {}
         self.sea_temperature: Datum[float] = Datum(2 * SLOW)  # 130312 and 130316 come every 2 s
         self.winds: dict[int, Datum[WindData]] = {}
-        self.others: dict[type[Message], Datum[Message]] = {}
+        self._without_fix: set[int] = set()
 
     # Hearing --------------------------------------------------------------------------------------
 
-    def hear(self, message: Message, source: int, now: float) -> bool:
-        """A message that stands for itself, if it tells what it is for."""
-        essential = ESSENTIAL.get(type(message))
-        if essential is not None and getattr(message, essential) is None:
-            return False
-        datum = self.others.get(type(message))
-        if datum is None:
-            datum = self.others[type(message)] = Datum(SLOW)
-        return datum.offer(message, now, source)
-
     def hear_heading(self, message: VesselHeading, source: int, now: float) -> bool:
-        """127250. A heading without a reference, or with one in error, is no heading."""
-        if message.heading is None:
+        """127250. A heading without a reference, or with one in error, is no heading.
+
+        One compass serves both headings where its variation is known, but never takes the place of one that
+        tells what is asked for.
+        """
+        heading, variation = message.heading, message.variation
+        if variation is None:
+            variation = self.variation(now)
+        else:
+            self.told_variation.offer(variation, now, source, rank=1)
+        if heading is None:
+            self.true.withdraw(source)
+            self.magnetic.withdraw(source)
             return False
         match message.reference:
             case HeadingReference.TRUE:
-                return self.true_compass.offer(message, now, source)
+                taken = self.true.offer(Heading(heading % tau, message), now, source)
+                if variation is not None:
+                    taken |= self.magnetic.offer(Heading((heading - variation) % tau, message), now, source, rank=1)
+                return taken
             case HeadingReference.MAGNETIC:
-                return self.magnetic_compass.offer(message, now, source)
+                # A compass that tells no deviation has none left: it corrects itself.
+                magnetic = heading + (message.deviation or 0.0)
+                taken = self.magnetic.offer(Heading(magnetic % tau, message), now, source)
+                if variation is not None:
+                    taken |= self.true.offer(Heading((magnetic + variation) % tau, message), now, source, rank=1)
+                return taken
         return False
+
+    def hear_rate(self, message: RateOfTurn, source: int, now: float) -> bool:
+        """127251."""
+        return message.rate is not None and self.rate.offer(message, now, source)
+
+    def hear_attitude(self, message: Attitude, source: int, now: float) -> bool:
+        """127257."""
+        told = message.pitch is not None or message.roll is not None
+        return told and self.attitude.offer(message, now, source)
 
     def hear_variation(self, message: MagneticVariation, source: int, now: float) -> bool:
         """127258."""
         return message.variation is not None and self.told_variation.offer(message.variation, now, source)
 
     def hear_rudder(self, message: Rudder, source: int, now: float) -> bool:
-        """127245: the rudder itself, before any order to it."""
+        """127245: the rudder itself, before any order to it. Some send position and order in messages of their own."""
         return message.position is not None and self.rudder.offer(message.position, now, source)
 
     def hear_pilot(self, message: HeadingTrackControl, source: int, now: float) -> bool:
         """127237: its rudder order stands in for a rudder that nobody measures (spec/boat.md)."""
         if message.commanded_rudder_angle is not None:
-            self.rudder.offer(message.commanded_rudder_angle, now, *kind(source, 1))
-        return self.hear(message, source, now)
+            self.rudder.offer(message.commanded_rudder_angle, now, source, rank=1)
+        return self.pilot.offer(message, now, source)
+
+    def hear_speed(self, message: Speed, source: int, now: float) -> bool:
+        """128259."""
+        return message.speed_water_referenced is not None and self.speed.offer(message, now, source)
+
+    def hear_depth(self, message: WaterDepth, source: int, now: float) -> bool:
+        """128267."""
+        return message.depth is not None and self.depth.offer(message, now, source)
+
+    def hear_log(self, message: DistanceLog, source: int, now: float) -> bool:
+        """128275."""
+        told = message.log is not None or message.trip_log is not None
+        return told and self.log.offer(message, now, source)
 
     def hear_position(self, message: PositionRapidUpdate, source: int, now: float) -> bool:
-        """129025."""
+        """129025. Of a receiver that says to have no fix, a position is the last resort."""
         if message.latitude is None or message.longitude is None:
+            self.position.withdraw(source)
             return False
-        return self.position.offer((message.latitude, message.longitude), now, source)
+        rank = 2 if source in self._without_fix else 0
+        return self.position.offer((message.latitude, message.longitude), now, source, rank)
 
     def hear_fix(self, message: GnssPositionData, source: int, now: float) -> bool:
-        """129029: position, time and how good they are."""
-        if message.latitude is not None and message.longitude is not None:
-            self.position.offer((message.latitude, message.longitude), now, *kind(source, 1))
-        self._hear_clock(message.date, message.time, source, now, rank=0)
-        return self.fix.offer(message, now, source, rank=message.method in (None, GnssMethod.NONE))
+        """129029: position, time and how good they are. A lost fix is told at once, unless another has one."""
+        latitude, longitude = message.latitude, message.longitude
+        lost = message.method is GnssMethod.NONE or latitude is None or longitude is None
+        if lost:
+            self._without_fix.add(source)
+            self.position.withdraw(source)
+            self.fix.withdraw(source)
+        else:
+            self._without_fix.discard(source)
+        if latitude is not None and longitude is not None:
+            self.position.offer((latitude, longitude), now, source, rank=3 if lost else 1)
+        self._hear_clock(message.date, message.time, now, source, rank=0)
+        return self.fix.offer(message, now, source, rank=1 if lost else 0)
 
     def hear_course(self, message: CogSogRapidUpdate, source: int, now: float) -> bool:
         """129026."""
@@ -191,20 +251,25 @@ class Truth:
 
     def hear_system_time(self, message: SystemTime, source: int, now: float) -> bool:
         """126992."""
-        return self._hear_clock(message.date, message.time, source, now, rank=1)
+        return self._hear_clock(message.date, message.time, now, source, rank=1)
 
     def hear_time_date(self, message: TimeDate, source: int, now: float) -> bool:
         """129033."""
-        return self._hear_clock(message.date, message.time, source, now, rank=2)
+        return self._hear_clock(message.date, message.time, now, source, rank=2)
 
-    def _hear_clock(self, day: int | None, second: float | None, source: int, now: float, rank: int) -> bool:
+    def _hear_clock(self, day: int | None, second: float | None, now: float, source: int, rank: int) -> bool:
         if day is None or second is None or day < FIRST_DAY:
             return False
-        return self.clock.offer(Clock(day, second), now, *kind(source, rank))
+        return self.clock.offer(Clock(day, second), now, source, rank)
 
     def hear_cross_track(self, message: CrossTrackError, source: int, now: float) -> bool:
         """129283."""
         return self.cross_track.offer(message, now, source)
+
+    def hear_navigation(self, message: NavigationData, source: int, now: float) -> bool:
+        """129284."""
+        told = (message.bearing_position_to_destination_waypoint, message.distance_to_waypoint) != (None, None)
+        return told and self.navigation.offer(message, now, source)
 
     def hear_route(self, message: NavigationRouteWpInformation, source: int, now: float) -> bool:
         """129285: the names behind the numbers of waypoints."""
@@ -216,48 +281,45 @@ class Truth:
         return True
 
     def hear_wind(self, message: WindData, source: int, now: float) -> bool:
-        """130306: each reference is a wind of its own."""
-        if message.reference is None or message.wind_speed is None or message.wind_angle is None:
+        """130306. One that tells speed and angle is better than one that tells half."""
+        if message.reference not in WINDS:
             return False
-        datum = self.winds.get(message.reference)
+        wind, rank = WINDS[message.reference]
+        told = (message.wind_speed is not None) + (message.wind_angle is not None)
+        datum = self.winds.get(wind)
         if datum is None:
-            datum = self.winds[message.reference] = Datum(FAST)
-        return datum.offer(message, now, source)
+            datum = self.winds[wind] = Datum(FAST)
+        return told > 0 and datum.offer(message, now, source, rank + 2 - told)
 
     def hear_extended_temperature(self, message: TemperatureExtendedRange, source: int, now: float) -> bool:
         """130316."""
-        return self._hear_sea(message.source, message.temperature, source, now, rank=0)
+        return self._hear_sea(message.source, message.temperature, now, source, rank=0)
 
     def hear_temperature(self, message: Temperature, source: int, now: float) -> bool:
         """130312."""
-        return self._hear_sea(message.source, message.actual_temperature, source, now, rank=1)
+        return self._hear_sea(message.source, message.actual_temperature, now, source, rank=1)
 
     def hear_environment(self, message: EnvironmentalParameters, source: int, now: float) -> bool:
         """130311."""
-        return self._hear_sea(message.temperature_source, message.temperature, source, now, rank=2)
+        return self._hear_sea(message.temperature_source, message.temperature, now, source, rank=2)
 
     def hear_old_environment(self, message: EnvironmentalParametersObsolete, source: int, now: float) -> bool:
         """130310."""
-        return self._hear_sea(TemperatureSource.SEA, message.water_temperature, source, now, rank=3)
+        return self._hear_sea(TemperatureSource.SEA, message.water_temperature, now, source, rank=3)
 
     def _hear_sea(
-        self, place: TemperatureSource | None, kelvin: float | None, source: int, now: float, rank: int
+        self, place: TemperatureSource | None, kelvin: float | None, now: float, source: int, rank: int
     ) -> bool:
         if place is not TemperatureSource.SEA or kelvin is None:
             return False
-        return self.sea_temperature.offer(kelvin, now, *kind(source, rank))
+        return self.sea_temperature.offer(kelvin, now, source, rank)
 
     # Knowing --------------------------------------------------------------------------------------
 
     def variation(self, now: float) -> float | None:
         """East positive: as 127258 tells, else as a compass tells, else as the model computes."""
         told = self.told_variation.at(now, self._age)
-        if told is not None:
-            return told
-        compass = self.magnetic_compass.at(now, self._age) or self.true_compass.at(now, self._age)
-        if compass is not None and compass.variation is not None:
-            return compass.variation
-        return self._model_variation()
+        return self._model_variation() if told is None else told
 
     def _model_variation(self) -> float | None:
         """At the last known position and date; computed anew after a tenth of a degree or a day."""
@@ -270,28 +332,14 @@ class Truth:
         return self._modelled[1]
 
     def magnetic_heading(self, now: float) -> float | None:
-        """0..2 pi."""
-        compass = self.magnetic_compass.at(now, self._age)
-        if compass is not None and compass.heading is not None:
-            # A compass that tells no deviation has none left: it corrects itself.
-            return (compass.heading + (compass.deviation or 0.0)) % tau
-        true = self.true_compass.at(now, self._age)
-        variation = self.variation(now)
-        if true is None or true.heading is None or variation is None:
-            return None
-        return (true.heading - variation) % tau
+        """0..2 pi: from a magnetic compass, else from a true one and the variation."""
+        heading = self.magnetic.at(now, self._age)
+        return None if heading is None else heading.angle
 
     def true_heading(self, now: float) -> float | None:
         """0..2 pi: as told, else from the magnetic one by its own variation, by 127258, by the model."""
-        true = self.true_compass.at(now, self._age)
-        if true is not None:
-            return true.heading
-        compass = self.magnetic_compass.at(now, self._age)
-        magnetic = self.magnetic_heading(now)
-        if compass is None or magnetic is None:
-            return None
-        variation = compass.variation if compass.variation is not None else self.variation(now)
-        return None if variation is None else (magnetic + variation) % tau
+        heading = self.true.at(now, self._age)
+        return None if heading is None else heading.angle
 
     def to_true(self, angle: Angle, reference: HeadingReference | None, now: float) -> Angle:
         """A direction counted from `reference` as a true one; None where that cannot be known."""
