@@ -93,11 +93,11 @@ def allowed_delay(wanted: str) -> float:
 
 def check(said: list[tuple[float, str]], all_steps: list[Step], late: float = 0.0) -> None:
     """Every `out` is in `said`, in order and in time; `late` is what a real wire may add."""
-    place, before = 0, 0.0
+    place, before = 0, -late
     for step in all_steps:
         start = step["t"] - 1e-6
         if "no_out" in step:
-            heard = [s for t, s in said if before < t <= start and s.startswith("$" + step["no_out"])]
+            heard = [s for t, s in said if before + late < t <= start and s.startswith("$" + step["no_out"])]
             assert not heard, f"{step}: {heard}"
         wanted = step.get("out") or step.get("out_prefix")
         if wanted:

@@ -8,6 +8,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, BinaryIO
 
 import click
+from msgspec.structs import replace
 
 from timonel.gateway.assemble import boat
 from timonel.gateway.configuration import load
@@ -18,16 +19,24 @@ from timonel.vehicles.boat.settings import BoatSettings
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
+NULL_ADDRESS = 254  # of whom has none (ISO 11783-5): no device of the recording is taken for ourselves
 PROGRESS_EVERY = 4096  # frames
 UNREADABLE_SHOWN = 10
 
 
 @click.command()
 @click.argument("log", type=click.Path())
-@click.option("--to", type=click.Choice(["nmea0183"]), default="nmea0183", show_default=True, help="What to write.")
+@click.option(
+    "--to",
+    type=click.Choice(["nmea0183"]),
+    default="nmea0183",
+    show_default=True,
+    expose_value=False,
+    help="What to write.",
+)
 @click.option("-o", "--output", type=click.Path(), default="-", help="Where to; - is standard output, the default.")
 @click.option("--config", type=click.Path(), help="A boat.toml whose [vehicle] and [sentences] are used.")
-def convert(log: str, to: str, output: str, config: str | None) -> None:
+def convert(log: str, output: str, config: str | None) -> None:
     """Turn LOG, a recording of an NMEA 2000 bus, into what the gateway would have said to its stations.
 
     candump, canboat PLAIN and FAST and YD RAW are told apart by their content; - is standard input. Time is the
@@ -37,8 +46,8 @@ def convert(log: str, to: str, output: str, config: str | None) -> None:
     with ExitStack() as stack:
         reader = stack.enter_context(open_log(log))
         sink = _open_output(stack, output, log)
-        conversion = Conversion(boat(settings, [], 0.0), sink.write)
-        conversion.receive(_with_progress(stack, reader))
+        conversion = Conversion(boat(replace(settings, address=NULL_ADDRESS), [], 0.0), sink.write)
+        conversion.receive(_with_progress(stack, reader) if _watched(output) else reader)
         sink.flush()
     _summarise(reader, conversion)
 
@@ -54,9 +63,12 @@ def _open_output(stack: ExitStack, output: str, log: str) -> BinaryIO:
         raise click.FileError(output, fault.strerror) from fault
 
 
+def _watched(output: str) -> bool:
+    """Whether somebody is there to see a progress bar, and sentences do not run through it."""
+    return sys.stderr.isatty() and not (output == "-" and sys.stdout.isatty())
+
+
 def _with_progress(stack: ExitStack, reader: LogReader) -> Iterator[LogFrame]:
-    if not sys.stderr.isatty():
-        return iter(reader)
     from rich.console import Console
     from rich.progress import Progress
 

@@ -63,7 +63,7 @@ def _check_free(port: int) -> None:
     try:
         socket.create_server((HERE, port)).close()
     except OSError as fault:
-        raise LinkError(f"{HERE}:{port}: {fault.strerror}; --port takes another one") from fault
+        raise LinkError(f"{HERE}:{port}: {os.strerror(fault.errno or 0)}; --port takes another one") from fault
 
 
 def _own_directory() -> Path:
@@ -108,7 +108,7 @@ def how_to_connect(configuration: Configuration) -> list[str]:
         f"steer    timonel station serial://{bridge} --id 1",
         f"         timonel station tcp://{reserve} --id 4",
         "keys     t takes command, r requests it, a engages, arrows turn",
-        f"by hand  printf '{take}\\r\\n' > {bridge}",
+        f"by hand  echo '{take}' > {bridge}",
     ]
 
 

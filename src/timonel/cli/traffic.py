@@ -25,6 +25,21 @@ IMPORTANT = (
     127250, 127245, 127237, 127251, 129025, 129026, 128259, 128267, 130306, 127257, 130316, 130312,
     128275, 127258, 129029, 126992,
 )  # fmt: skip
+IMPORTANT_SENTENCES = (
+    "STATUS",
+    "HDT",
+    "ROT",
+    "RMC",
+    "VHW",
+    "DPT",
+    "MWV",
+    "GLL",
+    "MTW",
+    "RSA",
+    "CMDTRANSFER",
+    "CMDREQUEST",
+    "ALR",
+)
 SPOKEN = {
     "rad": (degrees, "°", 1),
     "rad/s": (lambda value: degrees(value) * 60, "°/min", 1),
@@ -158,10 +173,17 @@ class Traffic:
         """A link came or went."""
         self.ports[name] = connected
 
-    def by_importance(self) -> list[tuple[int, Heard]]:
+    def messages_by_importance(self) -> list[tuple[int, Heard]]:
         """The messages: those a helmsman asks for first, then by PGN."""
-        rank = {pgn: place for place, pgn in enumerate(IMPORTANT)}
-        return sorted(self.messages.items(), key=lambda item: (rank.get(item[0], len(rank)), item[0]))
+        return sorted(self.messages.items(), key=lambda item: (_rank(IMPORTANT, item[0]), item[0]))
+
+    def sentences_by_importance(self) -> list[Heard]:
+        """The sentences: those a helmsman asks for first, then as they came."""
+        return sorted(self.sentences.values(), key=lambda heard: _rank(IMPORTANT_SENTENCES, heard.name))
+
+
+def _rank(important: tuple[object, ...], name: object) -> int:
+    return important.index(name) if name in important else len(important)
 
 
 def _name(pgn: int) -> str:

@@ -20,7 +20,7 @@ OLD = 3.0  # s after which a value says nothing about now
 RUDDER_CELLS = 7  # a side
 RUDDER_CELLS_WIDE = 18
 WIDE = 110
-EVENTS_MAX = 12
+EVENTS_MIN = 3
 
 
 class LiveView:
@@ -51,10 +51,10 @@ class LiveView:
 
     def page(self, width: int, height: int, now: float) -> Page:
         """The screen at `now` (s). The tables share the lines that the rest leaves."""
-        head = [self._title(width, now), self._pilot(width), self._stations(), *self._alerts(width)]
+        head = [self._title(width, now), self._pilot(width), *self._stations(width), *self._alerts(width)]
         foot = self._how_to_connect(width)
         room = height - len(head) - len(foot) - 3
-        events = max(1, min(EVENTS_MAX, room // 5 + 1))
+        events = max(1, min(room // 5 + 1, max(EVENTS_MIN, len(self.traffic.events))))
         messages = min(len(self.traffic.messages), max(1, (room - events) // 2))
         sentences = max(0, room - events - messages)
         lines = [
@@ -90,15 +90,17 @@ class LiveView:
             (rudder_text(status.rudder_deg), paint.value),
         )  # fmt: skip
 
-    def _stations(self) -> Text:
+    def _stations(self, width: int) -> list[Text]:
         paint, status = self._paint, self.traffic.status
         who = (
             "nobody" if status is None or not status.commander else f"{status.commander:02d} {NAMES[status.commander]}"
         )
-        line = Text.assemble("  ", ("command ", paint.dim), (f"{who:<12}", paint.value))
+        command = Text.assemble("  ", ("command ", paint.dim), (f"{who:<12}", paint.value))
+        ports = Text()
         for name, connected in self.traffic.ports.items():
-            line.append(f"  {'●' if connected else '○'} {name}", paint.good if connected else paint.dim)
-        return line
+            ports.append(f"  {'●' if connected else '○'} {name}", paint.good if connected else paint.dim)
+        together = Text.assemble(command, ports)
+        return [together] if together.cell_len <= width else [command, ports]
 
     def _alerts(self, width: int) -> list[Text]:
         alerts = sorted(self.traffic.alerts.values(), key=lambda alert: alert.kind.priority)
@@ -109,7 +111,7 @@ class LiveView:
         ]
 
     def _messages(self, width: int, rows: int, now: float) -> list[Text]:
-        heard = self.traffic.by_importance()
+        heard = self.traffic.messages_by_importance()
         title = self._heading("   PGN  message                 /s   age  values", len(heard) - rows, width)
         return [title, *(self._message(pgn, message, now) for pgn, message in heard[:rows])]
 
@@ -118,7 +120,7 @@ class LiveView:
         return Text(text, self._freshness(heard, now))
 
     def _sentences(self, width: int, rows: int, now: float) -> list[Text]:
-        heard = list(self.traffic.sentences.values())
+        heard = self.traffic.sentences_by_importance()
         title = self._heading("sentence       /s   age  last", len(heard) - rows, width)
         return [title, *(self._sentence(sentence, now) for sentence in heard[:rows])]
 

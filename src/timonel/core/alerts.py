@@ -97,9 +97,7 @@ class Alerts:
     @property
     def deadline(self) -> float | None:
         """When the next silenced alert sounds again."""
-        return min(
-            (a.silenced_until for a in self._alerts.values() if a.silenced_until is not None), default=None
-        )
+        return min((a.silenced_until for a in self._alerts.values() if a.silenced_until is not None), default=None)
 
     def expire(self, now: float) -> list[Event]:
         """Let sound again what was silenced long enough."""

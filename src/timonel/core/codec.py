@@ -81,10 +81,9 @@ class Word(msgspec.Struct):
 
 
 class Run(msgspec.Struct):
-    """Fields of fixed size that follow each other, cut into words. `base` is where they begin, in bits."""
+    """Fields of fixed size that follow each other, cut into words."""
 
     slots: "list[Slot]"
-    base: int
     size: int
     words: list[Word]
 
@@ -131,7 +130,7 @@ def run(slots: "list[Slot]") -> Run:
             else:
                 words.append(Word(start, end, [slot]))
         bit += slot.length
-    return Run(slots, 0, -(-bit // 8), words)
+    return Run(slots, -(-bit // 8), words)
 
 
 def parts(message: "type[Message]") -> "list[Run | Slot]":
@@ -201,8 +200,9 @@ def fill(value: str | None, size: int) -> bytes:
     return raw.ljust(size, b"\xff")
 
 
+@cache
 def install(message: "type[Message]") -> None:
-    """Put the generated functions into the class."""
+    """Put the generated functions into the class, once."""
     scope = _scope(message)
     exec(compile(source(message), f"<codec of {message.__name__}>", "exec"), scope)
     for name in ("decode", "read"):

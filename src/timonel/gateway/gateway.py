@@ -134,8 +134,8 @@ class Gateway:
     # In --------------------------------------------------------------------------------------------------
 
     def _frames_received(self, frames: list[Frame], now: float) -> list[Effect]:
-        for observer in self.observers:
-            observer.frames_received(frames, now)
+        if self.observers:
+            self._show(lambda observer: observer.frames_received(frames, now))
         return self.vehicle.receive_frames(frames, now)
 
     def _port_changed(self, port: str, name: str, connected: bool, reason: str, now: float) -> list[Effect]:
@@ -144,8 +144,7 @@ class Gateway:
 
     def _link_changed(self, name: str, connected: bool, reason: str, now: float) -> list[Effect]:
         self.health.link(name, connected, reason)
-        for observer in self.observers:
-            observer.port(name, connected, now)
+        self._show(lambda observer: observer.port(name, connected, now))
         return []
 
     def _expire(self) -> None:
@@ -153,17 +152,26 @@ class Gateway:
         self._feed("timer", self.vehicle.expire)
 
     def _feed(self, source: str, tell: Callable[..., list[Effect]], *what: Any) -> None:
-        """Tell the vehicle and do what it answers. The only place that catches everything."""
+        """Tell the vehicle what came from `source`, and do what it answers."""
         if self._closing:
             return
         now = self._loop.time()
+        if not self._guarded(source, self._tell, tell, what, now):
+            self._fault(now)
+
+    def _tell(self, tell: Callable[..., list[Effect]], what: Sequence[Any], now: float) -> None:
+        if effects := tell(*what, now):
+            self._carry_out(effects, now)
+        self._arm(self.vehicle.deadline)
+
+    def _guarded(self, source: str, act: Callable[..., object], *what: Any) -> bool:
+        """Whether `act` came to its end. The only place that catches everything."""
         try:
-            effects = tell(*what, now)
-            if effects:
-                self._carry_out(effects, now)
-            self._arm(self.vehicle.deadline)
+            act(*what)
         except Exception:  # noqa: BLE001 - whatever it is, the other stations must go on
-            self._fault(source, now)
+            self.health.fault(source)
+            return False
+        return True
 
     def _arm(self, deadline: float) -> None:
         """See to it that `expire` is called at `deadline`; a timer that rings earlier is left to ring."""
@@ -174,8 +182,7 @@ class Gateway:
         self._armed_for = deadline
         self._deadline_timer = self._loop.call_at(max(deadline, self._loop.time() + SOONEST), self._expire)
 
-    def _fault(self, source: str, now: float) -> None:
-        self.health.fault(source)
+    def _fault(self, now: float) -> None:
         self._faults.append(now)
         if len(self._faults) == FAULTS and now - self._faults[0] < FAULT_WINDOW:
             logger.critical("%d faults within %g s: giving up", FAULTS, FAULT_WINDOW)
@@ -200,9 +207,8 @@ class Gateway:
             self._send(urgent)
         if self._pending:
             self._flush_in_time()
-        for observer in self.observers:
-            for effect in effects:
-                observer.effect(effect, now)
+        if self.observers:
+            self._show(partial(_show_effects, effects, now))
 
     def _flush_in_time(self) -> None:
         if not self._flush_after:
@@ -218,6 +224,17 @@ class Gateway:
     def _send(self, lines: list[Say]) -> None:
         for link in self._outs:
             link.send(lines)
+
+    def _show(self, show: Callable[[Observer], object]) -> None:
+        """Let the observers see something; one that cannot look without falling over sees no more."""
+        self.observers = [
+            observer for observer in self.observers if self._guarded(type(observer).__name__, show, observer)
+        ]
+
+
+def _show_effects(effects: Sequence[Effect], now: float, observer: Observer) -> None:
+    for effect in effects:
+        observer.effect(effect, now)
 
 
 def _counters(link: Link) -> dict[str, int]:

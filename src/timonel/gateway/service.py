@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import signal
+from functools import partial
 
 from timonel.gateway.gateway import Gateway
 from timonel.gateway.notify import notify, watchdog_interval
@@ -33,14 +34,19 @@ async def serve(gateway: Gateway) -> int:
             _stop_when_failed(gateway, stop),
         )
     ]
+    for routine in routines:
+        routine.add_done_callback(partial(_stop_after_fault, stop))
     await stop.wait()
     notify("STOPPING=1")
     for routine in routines:
         routine.cancel()
-    await asyncio.gather(*routines, return_exceptions=True)
+    ends = await asyncio.gather(*routines, return_exceptions=True)
     await gateway.close()
     gateway.health.report()
     logger.info("stopped")
+    for end in ends:
+        if isinstance(end, Exception):
+            raise end
     return FAILED if gateway.failed.is_set() else 0
 
 
@@ -48,6 +54,11 @@ async def _open(gateway: Gateway) -> None:
     await gateway.open()
     notify("READY=1")
     logger.info("running")
+
+
+def _stop_after_fault(stop: asyncio.Event, routine: asyncio.Task[None]) -> None:
+    if not routine.cancelled() and routine.exception() is not None:
+        stop.set()
 
 
 async def _report_for_ever(gateway: Gateway) -> None:

@@ -7,9 +7,11 @@ async with Station.open("serial:///dev/ttyUSB0", station=2) as s:
     await s.turn(+10)
 ```
 Every method returns when the far end has shown the effect, and raises RefusedError or NoAnswerError otherwise;
-how that is told from STATUS stands in `verdict`. The links look after themselves; while one is down, or nothing was
-heard for 3 s, commands fail at once. Leaving the block changes nothing at the far end: whoever commands stays in
-command, and what is engaged stays engaged (spec/boat.md, safety rule 5), unless `release_on_exit` was asked for.
+how that is told from STATUS stands in `verdict`. No answer is not no effect: the command may have arrived all the
+same. The links look after themselves; while one is down, or nothing was heard for 3 s, commands fail at once.
+
+Leaving the block changes nothing at the far end: whoever commands stays in command, and what is engaged stays
+engaged (spec/boat.md, safety rule 5), unless `release_on_exit` was asked for.
 """
 
 import asyncio
@@ -19,6 +21,7 @@ from contextlib import suppress
 from functools import partial
 from types import TracebackType
 from typing import Self
+from weakref import WeakSet
 
 from timonel.core.command import BRIDGE, STATIONS
 from timonel.core.effects import Say
@@ -84,7 +87,7 @@ class Station:
         self._release_on_exit = release_on_exit
         self._lookout = Lookout(request_seconds)
         self._verdicts: dict[Verdict, asyncio.Future[Done | Refusal]] = {}
-        self._readers: list[Events] = []
+        self._readers: WeakSet[Events] = WeakSet()
         self._steering = asyncio.Lock()
         self._first_status = asyncio.Event()
         self._let_gos = 0
@@ -152,7 +155,7 @@ class Station:
             await self._out_port.close()
         for future in self._verdicts.values():
             if not future.done():
-                future.set_result(Refusal("the station was closed"))
+                future.set_exception(NoAnswerError("the station was closed"))
         for reader in self._readers:
             reader.put(None)
 
@@ -188,7 +191,7 @@ class Station:
     def events(self) -> Events:
         """What happens from now on: StatusChanged, CommandTransferred, CommandRequested, Lost, Back."""
         events = Events()
-        self._readers.append(events)
+        self._readers.add(events)
         return events
 
     # Command --------------------------------------------------------------------------------------

@@ -3,7 +3,8 @@
 ```
 order   what                              when it is full
 first   the rest of a line cut in two     (always one at most: a line is never torn)
-then    urgent lines, oldest first        the oldest is dropped and counted
+then    urgent lines, oldest first        the oldest is dropped and counted; one that tells a state as a whole
+                                          takes away an older one of its key, and comes last itself
 then    the newest line of each key       replaced in its place by a newer one of that key, and counted
 ```
 A key keeps its place when its line is replaced, so a busy key cannot be put off for ever by the others.
@@ -27,7 +28,7 @@ class Backlog:
         self._tally = tally
         self._urgent_max = urgent_max
         self._cut = b""
-        self._urgent: deque[bytes] = deque()
+        self._urgent: deque[Say] = deque()
         self._newest: dict[str, bytes] = {}
 
     def __bool__(self) -> bool:
@@ -36,15 +37,19 @@ class Backlog:
     def add(self, lines: Iterable[Say]) -> None:
         for say in lines:
             if say.urgent:
-                self._add_urgent(say.line)
+                self._add_urgent(say)
             else:
                 self._add_newest(say.key, say.line)
 
-    def _add_urgent(self, line: bytes) -> None:
+    def _add_urgent(self, say: Say) -> None:
+        if say.state:
+            waiting = len(self._urgent)
+            self._urgent = deque(older for older in self._urgent if not (older.state and older.key == say.key))
+            self._tally.replaced += waiting - len(self._urgent)
         if len(self._urgent) == self._urgent_max:
             self._urgent.popleft()
             self._tally.dropped += 1
-        self._urgent.append(line)
+        self._urgent.append(say)
 
     def _add_newest(self, key: str, line: bytes) -> None:
         if key in self._newest:
@@ -66,7 +71,7 @@ class Backlog:
     def head(self, room: int) -> bytes:
         """What should be written next: whole lines from the front until `room` bytes are filled."""
         lines: list[bytes] = []
-        for line in chain((self._cut,), self._urgent, self._newest.values()):
+        for line in chain((self._cut,), (say.line for say in self._urgent), self._newest.values()):
             if room <= 0:
                 break
             lines.append(line)
@@ -84,7 +89,7 @@ class Backlog:
         if self._cut:
             return self._cut
         if self._urgent:
-            return self._urgent.popleft()
+            return self._urgent.popleft().line
         return self._newest.pop(next(iter(self._newest)))
 
     def clear(self) -> None:

@@ -53,6 +53,7 @@ class Kept(ABC, Generic[Incoming]):
         self._loop = asyncio.get_running_loop()
         await self._attempt()
         self._keeper = self._loop.create_task(self._keep(), name=f"link {self.name}")
+        await asyncio.sleep(0)  # so that `changed` was called when this returns
 
     async def close(self, drain: float = 0.5) -> None:
         if self._keeper is None:

@@ -56,7 +56,7 @@ class ByteLink(Link, Protocol):
     """A port: bytes both ways."""
 
     async def open(self, receive: Callable[[bytes], None], changed: Changed) -> None:
-        """Start; returns when the first attempt was made, whether or not it succeeded."""
+        """Start; returns when the first attempt was made and `changed` has told how it went."""
 
     def send(self, lines: Sequence[Say]) -> None:
         """Write `lines` at once, or what there is room for; see `timonel.links.backlog` for the rest."""
@@ -66,7 +66,7 @@ class BusLink(Link, Protocol):
     """A CAN bus: frames both ways. Frames that it sent itself do not come back."""
 
     async def open(self, receive: Callable[[list[Frame]], None], changed: Changed) -> None:
-        """Start; returns when the first attempt was made, whether or not it succeeded."""
+        """Start; returns when the first attempt was made and `changed` has told how it went."""
 
     def send(self, frames: Sequence[Frame]) -> None:
         """Put `frames` on the bus; what there is no room for is dropped: a late command is a wrong one."""

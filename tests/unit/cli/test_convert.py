@@ -7,7 +7,7 @@ from tests.unit.cli.programs import timonel
 from timonel.nmea0183.checksum import verify
 
 POWER_ON = "aldas_go-nmea-client/socketcan/testdata/candump_2021-05-25-1635_5s.log"
-HEADING = b"(1600000000.000000) can0 09F11223#FF10270000000000FC\n"
+HEADING = b"(1600000000.000000) can0 09F11223#FF102700000000FC\n"
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def test_standard_input_is_read_as_a_file_is(log: Path) -> None:
     assert timonel("convert", "-", stdin=log.read_bytes()).stdout == timonel("convert", str(log)).stdout
 
 
-def test_a_true_heading_comes_out_at_its_own_rate(log: Path) -> None:
+def test_a_heading_at_10_hz_from_our_own_usual_address_comes_out_at_10_hz(log: Path) -> None:
     assert timonel("convert", str(log)).stdout.count(b"$IIHDT,57.3,T*") == 10
 
 

@@ -59,7 +59,7 @@ def test_what_to_connect_is_what_there_is() -> None:
         "OpenCPN: TCP, 127.0.0.1:20110",
         "tcp://127.0.0.1:20114 --id 4",
         "serial:///run/timonel/bridge --id 1",
-        "printf '$PARP,TAKECMD,000.0,01*41\\r\\n' > /run/timonel/bridge",
+        "echo '$PARP,TAKECMD,000.0,01*41' > /run/timonel/bridge",
     ):
         assert place in hints
 

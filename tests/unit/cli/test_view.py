@@ -54,7 +54,7 @@ def test_a_meter_that_has_counted_nothing_shows_nothing():
 def test_frames_are_told_apart_by_pgn():
     traffic = Traffic()
     traffic.frames_received([frame(HEADING), frame(RateOfTurn(rate=0.01)), frame(HEADING)], 1.0)
-    assert [(pgn, heard.name) for pgn, heard in traffic.by_importance()] == [
+    assert [(pgn, heard.name) for pgn, heard in traffic.messages_by_importance()] == [
         (127250, "Vessel heading"),
         (127251, "Rate of turn"),
     ]
@@ -74,9 +74,10 @@ def test_a_fast_packet_counts_when_it_is_whole():
 
 def test_sentences_are_told_apart_by_formatter():
     traffic = Traffic()
-    for effect in (STATUS, HDT, Say(parp.cmdrequest(2), "CMDREQUEST")):
+    for effect in (Say(parp.cmdrequest(2), "CMDREQUEST"), Say(b"$IIXDR,A\r\n", "XDR"), HDT, STATUS):
         traffic.effect(effect, 1.0)
-    assert list(traffic.sentences) == ["STATUS", "HDT", "CMDREQUEST"]
+    names = [heard.name for heard in traffic.sentences_by_importance()]
+    assert names == ["STATUS", "HDT", "CMDREQUEST", "XDR"]
     assert traffic.sentences["HDT"].last == b"$IIHDT,44.8,T*15"
 
 
@@ -130,6 +131,8 @@ def test_an_alert_stands_until_it_is_over_and_seen():
         (128259, bytes.fromhex("002c01ffff00ffff"), "speed water referenced 5.8 kn"),
         (130312, bytes.fromhex("0000002473ffffff"), "actual temperature 21.6 °C  source sea"),
         (61184, b"\x01\x02", "01 02"),
+        (128267, bytes.fromhex("00d2040000e8fdff"), "depth 12.34 m  offset -0.536 m"),
+        (128275, bytes.fromhex("ffffffffffff4a2f0000e8030000"), "log 12106 m  trip log 1000 m"),
     ],
 )
 def test_values_are_told_in_units_for_the_eye(pgn: int, data: bytes, text: str):

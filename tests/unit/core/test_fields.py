@@ -23,6 +23,7 @@ from timonel.core.fields import (
     StringLau,
     TimeOfDay,
     Unsigned,
+    Variable,
 )
 from timonel.core.message import Message
 from timonel.errors import EncodeError
@@ -185,3 +186,10 @@ def test_packed_bits_run_to_the_end_of_the_message():
 def test_a_packed_value_that_needs_more_bits_is_refused(value: int):
     with pytest.raises(EncodeError, match=f"{value} is outside 0..15"):
         Packed(Bits(4)).write((value,))
+
+
+def test_a_field_of_variable_size_must_say_how_it_is_read_and_written():
+    with pytest.raises(NotImplementedError):
+        Variable().read(b"", 0)
+    with pytest.raises(NotImplementedError):
+        Variable().write(None)

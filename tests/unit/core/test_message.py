@@ -141,6 +141,17 @@ def test_a_subclass_does_not_inherit_the_codec_of_its_base():
     assert len(Header().encode()) == 2
 
 
+def test_a_codec_is_generated_once_whoever_holds_the_method():
+    class Late(Message):
+        x: Annotated[int | None, U8()]
+
+    early = Late.decode
+    assert early(b"\x01") == Late(x=1)
+    generated = Late.decode
+    assert early(b"\x02") == Late(x=2)
+    assert Late.decode is generated
+
+
 def test_every_kind_of_field_is_read_as_it_was_written():
     assert Everything.decode(EVERYTHING.encode()) == EVERYTHING
 

@@ -1,10 +1,12 @@
 import asyncio
 import os
 import socket
+from functools import partial
 from pathlib import Path
 
 import pytest
 
+from timonel.core.frame import Frame
 from timonel.errors import LinkError
 from timonel.gateway.assemble import assemble
 from timonel.gateway.configuration import Configuration, parse
@@ -45,6 +47,11 @@ async def until(fd: int, word: bytes) -> bytes:
     return heard
 
 
+def obey(boat: SimulatedBoat, frames: list[Frame]) -> None:
+    for frame in frames:
+        boat.receive(frame)
+
+
 def opened(path: Path) -> int:
     return os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
 
@@ -56,9 +63,9 @@ def test_stations_take_command_and_steer_over_real_terminals_while_a_listener_he
         await gateway.open()
         sea = bus_link("loop://assemble")
         boat = SimulatedBoat(seed=1)
-        await sea.open(lambda frames: [boat.receive(frame) for frame in frames] and None, lambda *_: None)
+        await sea.open(partial(obey, boat), lambda *_: None)
         bridge, says, hears = (opened(tmp_path / name) for name in ("bridge", "cockpit-in", "cockpit-out"))
-        listener, _ = await asyncio.open_connection("127.0.0.1", port)
+        listener, writer = await asyncio.open_connection("127.0.0.1", port)
         await asyncio.sleep(0.2)
         sea.send(boat.step(1.0))
         os.write(says, parp.command(parp.Verb.REQCMD, 2))
@@ -70,6 +77,7 @@ def test_stations_take_command_and_steer_over_real_terminals_while_a_listener_he
         await listener.readuntil(b"$IIHDT")
         for fd in (bridge, says, hears):
             os.close(fd)
+        writer.close()
         await gateway.close()
         await sea.close()
 

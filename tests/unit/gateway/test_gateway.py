@@ -277,6 +277,25 @@ def test_an_observer_sees_frames_effects_and_links() -> None:
     asyncio.run(scene())
 
 
+def test_an_observer_that_falls_over_sees_no_more_and_takes_nobody_along() -> None:
+    class Clumsy(Notes):
+        def effect(self, effect: Effect, now: float) -> None:
+            raise ZeroDivisionError
+
+    async def scene() -> None:
+        async with a_gateway() as rig:
+            notes = Notes()
+            rig.gateway.observers += [Clumsy(), notes]
+            for _ in range(FAULTS):
+                rig.hear([HEADING])
+            assert rig.gateway.observers == [notes]
+            assert notes.seen == [FRAME, HEADING] * FAULTS
+            assert rig.bridge.lines == [HEADING.line] * FAULTS
+            assert not rig.gateway.failed.is_set()
+
+    asyncio.run(scene())
+
+
 def test_events_are_counted() -> None:
     async def scene() -> None:
         async with a_gateway() as rig:

@@ -60,6 +60,20 @@ def test_a_signal_while_a_link_is_still_being_opened_ends_it_too() -> None:
     asyncio.run(scene())
 
 
+def test_a_link_that_fails_in_a_way_nobody_thought_of_ends_it_with_that_fault() -> None:
+    class Broken(FakePort):
+        async def open(self, *_: object) -> None:
+            raise ZeroDivisionError
+
+    async def scene() -> None:
+        port = Broken("Bridge")
+        with pytest.raises(ZeroDivisionError):
+            await serve(a_gateway(FakeVehicle(), port))
+        assert port.closed == 1
+
+    asyncio.run(scene())
+
+
 def test_sigusr1_logs_the_counters(caplog: pytest.LogCaptureFixture) -> None:
     async def scene() -> None:
         gateway = a_gateway(FakeVehicle(), FakePort("Bridge"))

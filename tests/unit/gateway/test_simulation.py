@@ -3,8 +3,8 @@ import asyncio
 from timonel.core.frame import Frame
 from timonel.gateway.simulation import Simulation
 from timonel.links.urls import bus_link
-from timonel.vehicles.boat.drivers import StandardPilot
 from timonel.nmea2000.lookups import HeadingReference
+from timonel.vehicles.boat.drivers import StandardPilot
 from timonel.vehicles.boat.simulator import SimulatedBoat
 
 

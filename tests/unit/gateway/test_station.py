@@ -1,8 +1,10 @@
 import asyncio
+import gc
 import os
 import subprocess
 import sys
 import tty
+import weakref
 from collections.abc import Awaitable, Callable
 from itertools import accumulate
 from pathlib import Path
@@ -15,6 +17,7 @@ from timonel.errors import EncodeError, LinkError, NoAnswerError, RefusedError, 
 from timonel.gateway.lookout import Back, Lost, Request, StatusChanged
 from timonel.gateway.station import EVENTS_KEPT, Station, bursts
 from timonel.gateway.verdict import Grant
+from timonel.links.link import Changed
 from timonel.nmea0183 import parp
 from timonel.nmea0183.parp import CommandRequested, CommandTransferred, PilotMode, Verb
 
@@ -514,10 +517,62 @@ def test_a_command_that_is_under_way_when_the_station_closes_ends():
         async with Station(Cable(far), station=2) as s:
             asking = asyncio.create_task(s.request())
             await asyncio.sleep(0.1)
-        with pytest.raises(RefusedError, match="the station was closed"):
+        with pytest.raises(NoAnswerError, match="the station was closed"):
             await asking
 
     run(main())
+
+
+def test_a_turn_waits_for_the_first_status_since_it_starts_from_there():
+    async def main() -> None:
+        far = Concentrator()
+        far.commander, far.mode, far.setpoint = 2, PilotMode.HEADING_HOLD, 1825
+        async with Station(Cable(far, delay=0.2), station=2) as s:
+            assert s.status.setpoint_deg is None
+            await s.turn(10)
+            assert s.status.setpoint_deg == 192.5
+
+    run(main())
+
+
+def test_a_turn_without_any_status_is_not_sent():
+    async def main() -> list[Verb]:
+        far = Concentrator()
+        far.mute = True
+        async with Station(Cable(far), station=2) as s:
+            with pytest.raises(NoAnswerError, match=r"^STBDTEN: no STATUS within 1.5 s$"):
+                await s.turn(10)
+        return far.verbs
+
+    assert run(main()) == []
+
+
+def test_links_are_closed_when_opening_is_given_up():
+    class NeverOpen(Cable):
+        async def open(self, receive: Callable[[bytes], None], changed: Changed) -> None:
+            await asyncio.sleep(3600)
+
+    async def main() -> None:
+        in_port, out_port = Cable(Concentrator(), "IN port"), NeverOpen(Concentrator(), "OUT port")
+        with pytest.raises(TimeoutError):
+            async with asyncio.timeout(1.0), Station(in_port, out_port, station=2):
+                pass
+        assert in_port.closed
+        assert out_port.closed
+
+    run(main())
+
+
+def test_events_that_are_read_no_more_are_forgotten():
+    async def scene(s: Station, far: Concentrator) -> None:
+        kept, dropped = s.events(), weakref.ref(s.events())
+        gc.collect()
+        assert dropped() is None
+        far.announce(3)
+        await asyncio.sleep(0.02)
+        assert await anext(kept) == CommandRequested(3)
+
+    play(scene)
 
 
 def test_printed_examples_with_wrong_check_sums_are_dropped_and_counted():

@@ -21,6 +21,15 @@ def test_urgent_lines_go_ahead_of_data_in_their_order_and_are_never_replaced():
     assert backlog.head(1000) == b"first\r\nsecond\r\nHDT\r\n"
 
 
+def test_an_urgent_state_takes_away_an_older_one_and_comes_after_what_led_to_it():
+    tally = Counters()
+    backlog = Backlog(tally)
+    status = [Say(text, "STATUS", urgent=True, state=True) for text in (b"old\r\n", b"new\r\n")]
+    backlog.add([status[0], line("transfer", "CMDTRANSFER", urgent=True), status[1], line("HDT")])
+    assert backlog.head(1000) == b"transfer\r\nnew\r\nHDT\r\n"
+    assert tally.replaced == 1
+
+
 def test_the_rest_of_a_cut_line_goes_before_an_urgent_one():
     backlog = Backlog(Counters())
     backlog.keep([line("HDT"), line("DPT")], written=3)

@@ -76,6 +76,14 @@ def test_a_server_that_restarts_is_reached_again_and_no_descriptor_is_leaked(mon
     asyncio.run(session())
 
 
+def test_when_open_returns_the_outcome_of_the_first_attempt_was_told():
+    async def session():
+        async with connected() as (_, _, ear):
+            assert ear.changes == [(True, "")]
+
+    asyncio.run(session())
+
+
 def test_nobody_there_is_told_once_with_the_reason(monkeypatch):
     monkeypatch.setattr(TcpLink, "PAUSE", 0.01)
 

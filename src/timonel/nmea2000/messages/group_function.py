@@ -242,9 +242,7 @@ def parameters_of(target: type[Message], **values: Any) -> tuple[Parameter, ...]
     message = msgspec.structs.replace(target.decode(b""), **values)
     payload = int.from_bytes(message.encode(), "little")
     return tuple(
-        Parameter(
-            index, (payload >> slot.offset & slot.field.ones).to_bytes(-(-slot.field.bits // 8), "little")
-        )
+        Parameter(index, (payload >> slot.offset & slot.field.ones).to_bytes(-(-slot.field.bits // 8), "little"))
         for index, slot in enumerate(target.layout, 1)
         if isinstance(slot.field, Fixed) and slot.offset is not None
         if slot.name in values or isinstance(slot.field, Match)
@@ -274,6 +272,8 @@ def _slot(target: type[Message], index: int) -> Slot | None:
 def _size(pgn: int, before: Sequence[Parameter], data: bytes, at: int) -> int | None:
     """How many bytes the value of the parameter at `at` has, if all targets that it can be agree."""
     targets = [target for target in TARGETS.get(pgn, ()) if _fits(target, before)]
+    if proprietary(pgn) and data[at] <= len(Proprietary.layout):
+        targets = [Proprietary]
     slots = {_slot(target, data[at]) for target in targets}
     sizes = {_length(slot, data[at + 1 : at + 2]) if slot else None for slot in slots}
     return sizes.pop() if len(sizes) == 1 else None

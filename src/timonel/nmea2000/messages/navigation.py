@@ -32,7 +32,6 @@ from timonel.nmea2000.lookups import (
     YesNo,
 )
 
-
 ALTITUDE = 9.2e12  # m; a float cannot tell higher values in 64 bits from those that are not available
 
 

@@ -8,14 +8,3 @@ PILOT_NOT_FOLLOWING = AlertKind(103, "pilot not following", Priority.WARNING)
 PILOT_SILENT = AlertKind(104, "pilot silent", Priority.WARNING)
 NO_COMMANDER = AlertKind(105, "steering without commander", Priority.WARNING)
 COMMANDER_UNPLUGGED = AlertKind(106, "commander unplugged", Priority.WARNING)
-FLOODED = AlertKind(107, "too many commands", Priority.CAUTION)
-
-KINDS = (
-    BACKBONE_SILENT,
-    HEADING_LOST,
-    PILOT_NOT_FOLLOWING,
-    PILOT_SILENT,
-    NO_COMMANDER,
-    COMMANDER_UNPLUGGED,
-    FLOODED,
-)

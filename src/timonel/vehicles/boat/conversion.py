@@ -7,7 +7,9 @@ turns with the boat; 1 Hz and less for the rest, as the specification has them.
 
 from collections.abc import Callable
 from datetime import date, timedelta
+from functools import partial
 from math import degrees
+from operator import methodcaller
 from typing import Any
 
 import msgspec
@@ -18,6 +20,7 @@ from timonel.core.pace import Pace
 from timonel.errors import EncodeError
 from timonel.nmea0183 import sentences as s
 from timonel.nmea0183.dialect import encode_ar10
+from timonel.nmea0183.fields import escaped
 from timonel.nmea0183.sentence import Sentence
 from timonel.nmea2000.lookups import (
     DirectionRudder,
@@ -55,6 +58,7 @@ FOOT = 0.3048  # m
 FATHOM = 6 * FOOT
 ZERO_CELSIUS = 273.15  # K
 MINUTE = 60.0  # s
+LONGEST_NAME = 8  # characters: RMB has room for so many, if all its numbers are as long as can be
 EPOCH = date(1970, 1, 1)
 
 MODES = {
@@ -374,7 +378,23 @@ def xte(truth: Truth, message: CrossTrackError, now: float) -> Sentence | None:
 
 
 def _waypoint(truth: Truth, number: int | None) -> str | None:
-    return None if number is None else truth.waypoint_names.get(number, str(number))
+    """As much of the waypoint's name as a sentence has room for, else its number, which is never cut."""
+    if number is None:
+        return None
+    name = truth.waypoint_names.get(number)
+    return _short(name) if name else f"{number}" if number < 10**LONGEST_NAME else None
+
+
+def _short(name: str) -> str:
+    name = "".join(character if character.isprintable() and character <= "\xff" else "?" for character in name)
+    while _width(name) > LONGEST_NAME:
+        name = name[:-1]
+    return name
+
+
+def _width(name: str | None) -> int:
+    """Characters in a sentence; a reserved one takes three."""
+    return len(escaped(name, "waypoint")) if name else 0
 
 
 def _arrived(message: NavigationData) -> bool | None:
@@ -383,15 +403,18 @@ def _arrived(message: NavigationData) -> bool | None:
 
 
 def rmb(truth: Truth, message: NavigationData, now: float) -> Sentence | None:
+    """Where both names do not fit, the destination's stays."""
     leg = truth.cross_track_at(now)
     if leg is None:
         return None
     bearing = message.bearing_position_to_destination_waypoint
+    origin = _waypoint(truth, message.origin_waypoint_number)
+    destination = _waypoint(truth, message.destination_waypoint_number)
     return s.RMB(
         valid=_on_leg(leg),
         cross_track_error_nm=scaled(leg.xte, MILE),
-        origin=_waypoint(truth, message.origin_waypoint_number),
-        destination=_waypoint(truth, message.destination_waypoint_number),
+        origin=origin if _width(origin) + _width(destination) <= LONGEST_NAME else None,
+        destination=destination,
         latitude_deg=message.destination_latitude,
         longitude_deg=message.destination_longitude,
         range_nm=scaled(message.distance_to_waypoint, MILE),
@@ -514,22 +537,24 @@ HEAR: dict[type[Message], Hear] = {
 """Every message that is listened to, and how."""
 
 
-def encode_standard(sentence: Sentence, talker: str) -> bytes:
-    """`sentence` as NMEA 0183 has it."""
-    return sentence.encode(talker)
+Encode = Callable[[Sentence], bytes]
+
+
+def encoder(dialect: str, talker: str) -> Encode:
+    """What makes sentences of `talker` bytes, as the dialect has them."""
+    return partial(encode_ar10, talker=talker) if dialect == "ar-1.0" else methodcaller("encode", talker)
 
 
 class Stream:
     """One line of the table at work: builds the sentence when its ceiling allows."""
 
-    __slots__ = ("_build", "_encode", "_key", "_pace", "_talker")
+    __slots__ = ("_build", "_encode", "_key", "_pace")
 
-    def __init__(self, conversion: Conversion, rate: float, encode: Callable[[Sentence, str], bytes]) -> None:
+    def __init__(self, conversion: Conversion, rate: float, dialect: str) -> None:
         self._build = conversion.build
         self._key = conversion.key
-        self._talker = conversion.talker
         self._pace = Pace(1 / rate)
-        self._encode = encode
+        self._encode = encoder(dialect, conversion.talker)
 
     def say(self, truth: Truth, message: Message, now: float) -> Say | None:
         """The sentence that `message` brings about, if there is one. Raises EncodeError for an absurd value."""
@@ -538,7 +563,7 @@ class Stream:
         sentence = self._build(truth, message, now)
         if sentence is None:
             return None
-        line = self._encode(sentence, self._talker)
+        line = self._encode(sentence)
         self._pace.count(now)
         return Say(line, self._key)
 
@@ -548,26 +573,28 @@ class Converter:
 
     def __init__(self, truth: Truth, rates: dict[str, float], dialect: str) -> None:
         self._truth = truth
-        encode = encode_ar10 if dialect == "ar-1.0" else encode_standard
         wanted = RATES | rates
-        self._streams: dict[type[Message], tuple[Stream, ...]] = {}
+        streams: dict[type[Message], list[Stream]] = {message: [] for message in HEAR}
         for conversion in CONVERSIONS:
             if wanted[conversion.formatter] > 0:
-                stream = Stream(conversion, wanted[conversion.formatter], encode)
+                stream = Stream(conversion, wanted[conversion.formatter], dialect)
                 for message in conversion.messages:
-                    self._streams[message] = (*self._streams.get(message, ()), stream)
+                    streams[message].append(stream)
+        self._ways = {message: (hear, streams[message]) for message, hear in HEAR.items()}
 
     def receive(self, message: Message, source: int, now: float) -> tuple[list[Effect], bool]:
         """Hear `message` from `source` and say what it brings about; and whether it was taken.
 
         Runs once a message, so it is written for speed.
         """
-        if not HEAR[type(message)](self._truth, message, source, now):
-            return [], False
+        truth = self._truth
+        hear, streams = self._ways[type(message)]
         effects: list[Effect] = []
-        for stream in self._streams.get(type(message), ()):
+        if not hear(truth, message, source, now):
+            return effects, False
+        for stream in streams:
             try:
-                say = stream.say(self._truth, message, now)
+                say = stream.say(truth, message, now)
             except EncodeError as error:
                 effects.append(Rejected(str(error), source=f"{type(message).__name__} from {source}"))
             else:

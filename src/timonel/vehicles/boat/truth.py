@@ -51,7 +51,7 @@ VariationModel = Callable[[float, float, float], float]
 """Variation in rad at latitude and longitude (deg) and time (unix s)."""
 
 FAST = 1.0  # s: ten periods of what comes at 10 Hz
-SLOW = 3.0  # s: three periods of what comes at 1 Hz
+SLOW = 2.0  # s: two periods of what comes at 1 Hz, so that another source is heard before the age limit
 SECONDS_A_DAY = 86400
 FIRST_DAY = 10957  # 2000-01-01: no NMEA 2000 device is older, but many say 1970 before they have a fix
 MOST_WAYPOINTS = 1000  # names kept; a route has fewer
@@ -140,7 +140,7 @@ class Truth:
         self.position: Datum[tuple[float, float]] = Datum(FAST)
         self.fix: Datum[GnssPositionData] = Datum(SLOW)
         self.course: Datum[CogSogRapidUpdate] = Datum(FAST)
-        self.clock: Datum[Clock] = Datum(SLOW)
+        self.clock: Datum[Clock] = Datum(FAST)  # half of `TIME_AGE`
         self.speed: Datum[Speed] = Datum(SLOW)
         self.depth: Datum[WaterDepth] = Datum(SLOW)
         self.log: Datum[DistanceLog] = Datum(SLOW)
@@ -263,8 +263,11 @@ class Truth:
         return self.clock.offer(Clock(day, second), now, source, rank)
 
     def hear_cross_track(self, message: CrossTrackError, source: int, now: float) -> bool:
-        """129283."""
-        return self.cross_track.offer(message, now, source)
+        """129283. That there is no track to keep any more is told at once, unless another has one."""
+        lost = message.xte is None
+        if lost:
+            self.cross_track.withdraw(source)
+        return self.cross_track.offer(message, now, source, rank=1 if lost else 0)
 
     def hear_navigation(self, message: NavigationData, source: int, now: float) -> bool:
         """129284."""

@@ -1,0 +1,74 @@
+"""Messages of recorded buses with machine time, whatever the recording's format."""
+
+import struct
+from functools import cache
+
+import msgspec
+
+from tests.recordings import ROOT
+from timonel.errors import RecordingError
+from timonel.gateway.convert import RecordedTime
+from timonel.nmea2000.fastpacket import Reassembler
+from timonel.nmea2000.identifier import split
+from timonel.nmea2000.registry import is_fast
+from timonel.recording import LogFrame, open_log
+
+
+class Message(msgspec.Struct, frozen=True):
+    """A whole message and when its last frame came, in s since the recording began."""
+
+    identifier: int
+    payload: bytes
+    now: float
+
+
+@cache
+def recordings():
+    """Every file below the recordings' folder in which a bus is recorded, by its path."""
+    found = []
+    for path in sorted(ROOT.rglob("*")):
+        if path.is_file() and next(iter(frames(path)), None) is not None:
+            found.append(str(path.relative_to(ROOT)))
+    return found
+
+
+def frames(path):
+    """Frames (and whole messages, where the recording has them) of a log or a capture of SocketCAN."""
+    if path.suffix == ".pcap":
+        yield from captured(path.read_bytes())
+    else:
+        try:
+            log = open_log(path)
+        except RecordingError:
+            return
+        with log:
+            yield from log
+
+
+def captured(data):
+    """Frames of a little-endian pcap file with link type SocketCAN (identifier in network order)."""
+    at = 24
+    while at + 16 <= len(data):
+        seconds, micros, size, _ = struct.unpack_from("<IIII", data, at)
+        identifier, length = struct.unpack_from(">IB", data, at + 16)
+        start = at + 24
+        yield LogFrame(seconds + micros * 1e-6, identifier & 0x1FFFFFFF, data[start : start + length])
+        at += 16 + size
+
+
+def timed(path):
+    """Each frame with machine time."""
+    time = RecordedTime()
+    for frame in frames(path):
+        yield frame, time.receive(frame.stamp)
+
+
+def messages(path):
+    """The whole messages of a recording."""
+    reassembler = Reassembler()
+    for frame, now in timed(path):
+        payload = frame.data
+        if is_fast(split(frame.identifier).pgn) and not frame.whole:
+            payload = reassembler.receive(frame.identifier, frame.data, now)
+        if payload is not None:
+            yield Message(frame.identifier, payload, now)
