@@ -8,8 +8,6 @@ program  core 1   what is measured, alone there
 The source stamps each frame just before it sends it, in memory that the reader shares.
 """
 
-import errno
-import json
 import mmap
 import multiprocessing
 import os
@@ -33,6 +31,8 @@ LONGEST_RUN = 1 << 22  # frames that can be stamped
 CAN_FRAME_SIZE = 16
 COMMAND_EVERY = 0.1  # s
 COMMAND_FRAMES = 4  # of one 127237
+READ_AT_ONCE = 1 << 18
+QUANTILES = {"p50": 0.5, "p99": 0.99, "p999": 0.999}
 
 _fork = multiprocessing.get_context("fork")
 
@@ -89,7 +89,7 @@ def _helper(core: int, run: Callable[..., None], pipe: Connection, *arguments: A
 
 
 @contextmanager
-def helpers(*made: Helper) -> Iterator[None]:
+def ending(*made: Helper) -> Iterator[None]:
     """Ends them all in the end."""
     try:
         yield
@@ -151,108 +151,152 @@ def _send_flat_out(bus: int, frames: list[bytes], seconds: float) -> int:
 
 
 class Heard(msgspec.Struct):
-    """What the reader heard while it listened: latencies in us, over all outputs."""
+    """What the reader heard while it listened; latencies in us, over all outputs."""
 
     sentences: list[int]
     """Of each output, STATUS not among them."""
-    latencies: list[float] = []
-    commands: list[float] = []
+    latencies: dict[str, float] = {}
+    commands: dict[str, float] = {}
     """From a command line written to the last frame of its 127237 read."""
 
 
 class Where(msgspec.Struct, frozen=True):
-    """What to read: `commands` is the terminal to write to, `bus` the far end of the bus."""
+    """What to read: terminals, `clients` of a TCP port, a pipe; and the far end of the bus."""
 
+    bus: int
     terminals: tuple[str, ...] = ()
     address: tuple[str, int] | None = None
     clients: int = 0
-    descriptor: int | None = None
-    bus: int | None = None
+    pipe: int | None = None
 
     def open(self) -> list[int]:
         """Descriptors of all outputs."""
-        opened = [os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK) for path in self.terminals]
+        opened = [os.open(path, os.O_RDWR | os.O_NOCTTY) for path in self.terminals]
         if self.address is not None:
             opened += [socket.create_connection(self.address).detach() for _ in range(self.clients)]
-        if self.descriptor is not None:
-            opened.append(self.descriptor)
+        if self.pipe is not None:
+            opened.append(self.pipe)
         for fd in opened:
             os.set_blocking(fd, False)
         return opened
 
 
-def run_reader(pipe: Connection, where: Where, places: dict[bytes, int], stamps: Stamps) -> None:
+def run_reader(pipe: Connection, where: Where, places: dict[bytes, int], cycle: int, stamps: Stamps) -> None:
     """Orders: `("stamp", commands)` and `("count",)`, each until the next order; the answer is `Heard`."""
-    reader = Reader(pipe, where, places, stamps)
+    outputs = where.open()
     pipe.send("ready")
     while True:
         match pipe.recv():
             case "stamp", commands:
-                heard = reader.stamp(commands)
-            case "count",:
-                heard = reader.count()
-        pipe.send(heard)
+                commander = Commander(outputs[0], where.bus) if commands else None
+                reads = _stamp(pipe, outputs, commander)
+                heard = evaluate(reads, outputs, Origins(places, cycle, stamps))
+                heard.commands = quantiles(commander.latencies) if commander else {}
+                pipe.send(heard)
+            case ("count",):
+                pipe.send(_count(pipe, outputs))
 
 
-class Reader:
-    def __init__(self, pipe: Connection, where: Where, places: dict[bytes, int], stamps: Stamps) -> None:
-        self._pipe = pipe.fileno()
-        self._outputs = where.open()
-        self._bus = where.bus
+def _count(pipe: Connection, outputs: list[int]) -> Heard:
+    """How many sentences each output gives until the next order."""
+    sentences = dict.fromkeys(outputs, 0)
+    poll = _epoll(pipe.fileno(), *outputs)
+    while True:
+        for fd, _ in poll.poll():
+            if fd == pipe.fileno():
+                return Heard(list(sentences.values()))
+            data = os.read(fd, READ_AT_ONCE)
+            sentences[fd] += data.count(b"\n") - data.count(b"$PARP")
+
+
+def _stamp(pipe: Connection, outputs: list[int], commander: "Commander | None") -> list[tuple[int, int, bytes]]:
+    """When each piece came from which output, until the next order."""
+    reads = []
+    poll = _epoll(pipe.fileno(), *outputs, *([commander.bus.fileno()] if commander else []))
+    while True:
+        for fd, _ in poll.poll(commander.wait() if commander else None):
+            if fd == pipe.fileno():
+                return reads
+            if commander is not None and fd == commander.bus.fileno():
+                commander.hear()
+            else:
+                data = os.read(fd, READ_AT_ONCE)
+                reads.append((time.monotonic_ns(), fd, data))
+
+
+def _epoll(*fds: int) -> select.epoll:
+    poll = select.epoll()
+    for fd in fds:
+        poll.register(fd, select.EPOLLIN)
+    return poll
+
+
+class Commander:
+    """Turns the boat ten times a second and waits for the frames that tell the pilot."""
+
+    def __init__(self, terminal: int, bus: int) -> None:
+        self.bus = socket.socket(fileno=os.dup(bus))
+        self.latencies: list[float] = []
+        self._terminal = terminal
+        self._line = parp.command(parp.Verb.STBDTEN, 1)
+        os.write(terminal, parp.command(parp.Verb.TAKECMD, 1) + parp.command(parp.Verb.ENGAGE, 1))
+        self._due = time.monotonic() + COMMAND_EVERY
+        self._written = 0
+        self._frames = 0
+
+    def wait(self) -> float:
+        """Seconds until the next command, which is given when it is due."""
+        if time.monotonic() >= self._due:
+            self._due += COMMAND_EVERY
+            self._frames = 0
+            self._written = time.monotonic_ns()
+            os.write(self._terminal, self._line)
+        return max(0.0, self._due - time.monotonic())
+
+    def hear(self) -> None:
+        """A frame of the gateway: of the first commands they are only read."""
+        self.bus.recv(CAN_FRAME_SIZE, socket.MSG_DONTWAIT)
+        self._frames += 1
+        if self._frames == COMMAND_FRAMES and self._written:
+            self.latencies.append((time.monotonic_ns() - self._written) / 1000)
+
+
+class Origins:
+    """Which frame a sentence is from: the latest one before it that gives this sentence. Asked in order of time."""
+
+    def __init__(self, places: dict[bytes, int], cycle: int, stamps: Stamps) -> None:
         self._places = places
-        self._stamps = stamps
-        self._poll = select.epoll()
-        for fd in [self._pipe, *self._outputs]:
-            self._poll.register(fd, select.EPOLLIN)
+        self._cycle = cycle
+        self._times = stamps.times
+        self._latest = 0
 
-    def count(self) -> Heard:
-        """How many sentences each output gives until something comes over the pipe."""
-        sentences = dict.fromkeys(self._outputs, 0)
-        while True:
-            for fd, _ in self._poll.poll():
-                if fd == self._pipe:
-                    return Heard(list(sentences.values()))
-                data = _read(fd)
-                sentences[fd] += data.count(b"\n") - data.count(b"$PARP")
-
-    def stamp(self, commands: bool) -> Heard:
-        """When each sentence came; with `commands`, turn the boat ten times a second meanwhile."""
-        reads: list[tuple[int, int, bytes]] = []
-        commander = Commander(self._outputs[0], self._bus) if commands and self._bus is not None else None
-        if commander is not None:
-            self._poll.register(commander.bus, select.EPOLLIN)
-        while True:
-            for fd, _ in self._poll.poll(commander.wait() if commander else None):
-                if fd == self._pipe:
-                    if commander is not None:
-                        self._poll.unregister(commander.bus)
-                    return self._evaluate(reads, commander)
-                if commander is not None and fd == commander.bus:
-                    commander.hear()
-                else:
-                    data = _read(fd)
-                    reads.append((time.monotonic_ns(), fd, data))
-
-    def _evaluate(self, reads: list[tuple[int, int, bytes]], commander: "Commander | None") -> Heard:
-        sentences = dict.fromkeys(self._outputs, 0)
-        rest = dict.fromkeys(self._outputs, b"")
-        latencies = []
-        for now, fd, data in reads:
-            *lines, rest[fd] = (rest[fd] + data).split(b"\n")
-            for line in lines:
-                if not line.startswith(b"$PARP"):
-                    sentences[fd] += 1
-                    latencies += self._latency(line + b"\n", now)
-        return Heard(list(sentences.values()), latencies, commander.latencies if commander else [])
-
-    def _latency(self, line: bytes, now: int) -> list[float]:
-        """Since the latest frame before `now` that gives this sentence."""
+    def latency(self, line: bytes, now: int) -> float | None:
+        """In us; None for a sentence that does not tell its frame."""
+        times, latest = self._times, self._latest
+        while 0 < times[latest + 1] <= now:
+            latest += 1
+        self._latest = latest
         place = self._places.get(line)
-        if place is None:
-            return []
-        size = len(self._places_of_cycle())
-        times = self._stamps.times
-        number = place
-        while number + size < LONGEST_RUN and 0 < times[number + size] <= now:
-            number += size
-        return [(now - times[number]) / 1000] if 0 < times[number] <= now else []
+        if place is None or latest < place:
+            return None
+        return (now - times[latest - (latest - place) % self._cycle]) / 1000
+
+
+def evaluate(reads: list[tuple[int, int, bytes]], outputs: list[int], origins: Origins) -> Heard:
+    """Cut what came from each output into lines, and find where they are from."""
+    sentences = dict.fromkeys(outputs, 0)
+    rest = dict.fromkeys(outputs, b"")
+    latencies = []
+    for now, fd, data in reads:
+        *lines, rest[fd] = (rest[fd] + data).split(b"\n")
+        for line in lines:
+            if not line.startswith(b"$PARP"):
+                sentences[fd] += 1
+                latencies.append(origins.latency(line + b"\n", now))
+    return Heard(list(sentences.values()), quantiles([latency for latency in latencies if latency is not None]))
+
+
+def quantiles(values: list[float]) -> dict[str, float]:
+    """Median and the high ends; nothing of nothing."""
+    values = sorted(values)
+    return {name: values[int(part * len(values))] for name, part in QUANTILES.items()} if values else {}

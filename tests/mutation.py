@@ -85,6 +85,10 @@ def variants(node: ast.AST) -> Iterator[ast.AST]:
             yield ast.Constant(text + "!")
 
 
+def is_call(node: ast.AST) -> bool:
+    return isinstance(node, ast.Call)
+
+
 def is_docstring(node: ast.AST) -> bool:
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
@@ -101,8 +105,8 @@ class Sites(ast.NodeVisitor):
         if named:
             self._within.append(node.name)  # type: ignore[attr-defined]
         for field, value in ast.iter_fields(node):
-            if field in ("annotation", "returns", "decorator_list", "type_params"):
-                continue
+            if field in ("annotation", "returns", "decorator_list", "type_params", "keywords") and not is_call(node):
+                continue  # types, and how a struct is stored in memory
             if isinstance(value, list):
                 for index, child in enumerate(value):
                     self._site(node, field, index, child)
@@ -150,15 +154,19 @@ def put(parent: ast.AST, field: str, index: int | None, node: ast.AST) -> None:
 
 
 def noticed(target: str, source: str) -> bool:
-    """Run the tests of `target` in a process of their own, with `source` in its place."""
+    """Run the tests of `target` with `source` in its place, each file in a process of its own."""
+    return any(fails(target, source, tests) for tests in TESTS[target])
+
+
+def fails(target: str, source: str, tests: str) -> bool:
     child = os.fork()
     if child == 0:
-        run_tests(target, source)
+        run_tests(target, source, tests)
     _, status = os.waitpid(child, 0)
     return os.waitstatus_to_exitcode(status) != 0
 
 
-def run_tests(target: str, source: str) -> None:
+def run_tests(target: str, source: str, tests: str) -> None:
     """Never returns: the process ends with the tests' verdict."""
     signal.alarm(PATIENCE)
     silence = os.open(os.devnull, os.O_WRONLY)
@@ -175,7 +183,7 @@ def run_tests(target: str, source: str) -> None:
 
         plugins = ("cacheprovider", "xdist", "xdist.looponfail", "pytest_cov", "timeout", "hypothesispytest")
         options = [word for plugin in plugins for word in ("-p", f"no:{plugin}")]
-        code = pytest.main(["-x", "-q", "-o", "addopts=", "-o", "timeout=0", "-W", "ignore", *options, *TESTS[target]])
+        code = pytest.main(["-x", "-q", "-o", "addopts=", "-o", "timeout=0", "-W", "ignore", *options, tests])
     finally:
         os._exit(int(code != 0))
 

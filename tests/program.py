@@ -135,6 +135,13 @@ class FarEnd:
         self._rest = b""
         asyncio.get_running_loop().add_reader(fd, self._readable)
 
+    def sleep(self) -> None:
+        """Read no more until `wake`."""
+        asyncio.get_running_loop().remove_reader(self.fd or -1)
+
+    def wake(self) -> None:
+        asyncio.get_running_loop().add_reader(self.fd or -1, self._readable)
+
     def _leave(self) -> None:
         if self.fd is not None:
             asyncio.get_running_loop().remove_reader(self.fd)
@@ -255,12 +262,14 @@ def line_of(frame: Frame) -> bytes:
 
 def heading(course: float) -> Frame:
     """Where the bow points, true."""
-    message = VesselHeading(None, radians(course), None, None, HeadingReference.TRUE)
+    message = VesselHeading(
+        sid=None, heading=radians(course), deviation=None, variation=None, reference=HeadingReference.TRUE
+    )
     return Frame(join(2, 127250, 10), message.encode())
 
 
 def rudder(angle: float) -> Frame:
-    message = Rudder(0, None, None, radians(angle))
+    message = Rudder(instance=0, direction_order=None, angle_order=None, position=radians(angle))
     return Frame(join(2, 127245, 11), message.encode())
 
 
@@ -275,8 +284,13 @@ def write_configuration(
     return path
 
 
+def _shows_the_boat(out: FarEnd) -> bool:
+    """Whether a STATUS had a heading and a rudder angle."""
+    return any(line.startswith("$PARP,STATUS,") and all(line.split(",")) for _, line in out.heard)
+
+
 class Bench:
-    """`timonel run` with a bus and four stations; entered, it runs and every station has heard from it.
+    """`timonel run` with a bus and four stations; entered, it runs and every station sees the heading.
 
     `kinds` is how each station is wired: `serial` to adapters that the bench has, `pty` to terminals of the program.
     """
@@ -322,8 +336,7 @@ class Bench:
             for end in self.ports:
                 if isinstance(end, Terminal):
                     end.plug()
-            for out in self.outs.values():
-                await out.hears("$PARP,STATUS,STANDBY")
+            await until(lambda: all(map(_shows_the_boat, self.outs.values())), "STATUS with a heading", 30.0)
         except BaseException:
             await self._end()
             raise
@@ -354,4 +367,3 @@ class Bench:
         self.say(station, sentence)
         when, _ = await out.hears(answer, mark, within)
         return when - began
-

@@ -6,6 +6,7 @@ that value and no other. An expectation of a field is None (empty), a text, or a
 """
 
 from collections import defaultdict, deque
+from datetime import date, timedelta
 from math import degrees
 
 import msgspec
@@ -38,7 +39,7 @@ class Near(msgspec.Struct, frozen=True):
 
     def accepts(self, text):
         whole, _, fraction = text.partition(".")
-        if len(fraction) != self.decimals or not whole.lstrip("-").isdigit() or float(text) == 0 and "-" in text:
+        if len(fraction) != self.decimals or not whole.lstrip("-").isdigit() or (float(text) == 0 and "-" in text):
             return False
         difference = abs(float(text) - self.value)
         if self.turn:
@@ -101,7 +102,10 @@ def position(latitude, longitude):
 def clock(seconds):
     """The texts that a time of day may have: a hundredth that is a tie goes either way."""
     hundredths = {min(int(seconds * 100 + shift), 8639999) for shift in (0.4999, 0.5001)}
-    return {f"{h // 360000:02d}{h // 6000 % 60:02d}{h // 100 % 60:02d}" + (f".{h % 100:02d}" if h % 100 else "") for h in hundredths}
+    return {
+        f"{h // 360000:02d}{h // 6000 % 60:02d}{h // 100 % 60:02d}" + (f".{h % 100:02d}" if h % 100 else "")
+        for h in hundredths
+    }
 
 
 def yes(code):
@@ -312,7 +316,12 @@ class Oracle:
     def expected_zda(self, values, now):
         told = [c for c in self.recent("clock", now, CLOCK_AGE) if c]
         return [
-            [(t, f"{d:%d}", f"{d:%m}", f"{d:%Y}", None, None) for day, s in told for t in clock(s) for d in [date_of(day)]]
+            [
+                (t, f"{d:%d}", f"{d:%m}", f"{d:%Y}", None, None)
+                for day, s in told
+                for t in clock(s)
+                for d in [date_of(day)]
+            ]
         ]
 
     def expected_mwv(self, values, now):
@@ -411,9 +420,7 @@ class Oracle:
 
 
 def date_of(days):
-    import datetime
-
-    return datetime.date(1970, 1, 1) + datetime.timedelta(days=days)
+    return date(1970, 1, 1) + timedelta(days=days)
 
 
 def trimmed(value):

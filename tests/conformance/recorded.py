@@ -13,6 +13,8 @@ from timonel.nmea2000.identifier import split
 from timonel.nmea2000.registry import is_fast
 from timonel.recording import LogFrame, open_log
 
+BUSY = 0.001  # s from frame to frame
+
 
 class Message(msgspec.Struct, frozen=True):
     """A whole message and when its last frame came, in s since the recording began."""
@@ -57,10 +59,11 @@ def captured(data):
 
 
 def timed(path):
-    """Each frame with machine time."""
-    time = RecordedTime()
+    """Each frame with machine time; where recorded time stands still, it goes on as on a busy bus."""
+    time, now = RecordedTime(), 0.0
     for frame in frames(path):
-        yield frame, time.receive(frame.stamp)
+        now = max(time.receive(frame.stamp), now + BUSY)
+        yield frame, now
 
 
 def messages(path):

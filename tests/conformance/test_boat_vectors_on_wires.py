@@ -4,6 +4,7 @@ Every transcript has a program of its own and all are played at once, so that it
 """
 
 import asyncio
+from itertools import pairwise
 from pathlib import Path
 
 import msgspec
@@ -67,22 +68,22 @@ async def play(transcript: list[Step], directory: Path, ready: asyncio.Barrier) 
 
 
 @pytest.mark.parametrize("name", TRANSCRIPTS)
-def test_the_transcript_holds_on_the_wires_of_every_station(name: str, played: dict[str, Played]):
+def test_the_transcript_holds_on_the_wires_of_every_station(name: str, played: dict[str, Played]) -> None:
     for station in STATIONS:
         check(played[name].said[station], TRANSCRIPTS[name], WIRE)
 
 
 @pytest.mark.parametrize("name", TRANSCRIPTS)
-def test_every_station_hears_the_same(name: str, played: dict[str, Played]):
+def test_every_station_hears_the_same(name: str, played: dict[str, Played]) -> None:
     said = [[line for _, line in played[name].said[station]] for station in STATIONS]
     whole = min(map(len, said))
     assert whole >= max(map(len, said)) - 3  # what was under way when the last step was over
     assert all(lines[:whole] == said[0][:whole] for lines in said)
 
 
-def test_the_pilot_is_told_what_the_session_commands_and_nothing_else(played: dict[str, Played]):
+def test_the_pilot_is_told_what_the_session_commands_and_nothing_else(played: dict[str, Played]) -> None:
     told = played[SESSION].courses
-    changes = [told[0], *(after for before, after in zip(told, told[1:], strict=False) if after[1:] != before[1:])]
+    changes = [told[0], *(after for before, after in pairwise(told) if after[1:] != before[1:])]
     assert [(mode, course) for _, mode, course in changes] == [
         (SteeringMode.HEADING_CONTROL, course) for course in (182.5, 192.5, 200.0)
     ]
@@ -90,5 +91,5 @@ def test_the_pilot_is_told_what_the_session_commands_and_nothing_else(played: di
 
 
 @pytest.mark.parametrize("name", [name for name, steps in TRANSCRIPTS.items() if "ENGAGE" not in str(steps)])
-def test_without_an_engage_the_pilot_is_told_nothing(name: str, played: dict[str, Played]):
+def test_without_an_engage_the_pilot_is_told_nothing(name: str, played: dict[str, Played]) -> None:
     assert played[name].courses == []

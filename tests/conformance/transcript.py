@@ -1,7 +1,7 @@
 """Plays a transcript of the specification: what the backbone sends, what ports say, and what must come out.
 
 A step is one of
-    {"t", "bus"}         from `t` on the backbone sends heading (127250, true) and rudder (127245) at 10 Hz; null: silence
+    {"t", "bus"}         from `t` on the backbone sends heading (127250, true) and rudder (127245) at 10 Hz, null: none
     {"t", "in"}          a sentence arrives on a port
     {"t", "out"}         this sentence is said at `t`, at the latest 0.55 s after; announcements of command at once
     {"t", "out_prefix"}  the same of one that begins so
@@ -93,7 +93,7 @@ def allowed_delay(wanted: str) -> float:
 
 def check(said: list[tuple[float, str]], all_steps: list[Step], late: float = 0.0) -> None:
     """Every `out` is in `said`, in order and in time; `late` is what a real wire may add."""
-    place, before = 0, -late
+    place, before = 0, 0.0
     for step in all_steps:
         start = step["t"] - 1e-6
         if "no_out" in step:

@@ -17,7 +17,7 @@ Payloads = npt.NDArray[np.uint8]
 Raw = npt.NDArray[np.integer]
 VALUES = Number | Lookup | Bits | Flags
 WIDTHS = (1, 2, 4, 8)
-CHUNK = 1 << 14  # rows at a time, so that what is worked on stays in the processor's cache
+CHUNK = 1 << 15  # rows at a time, so that what is worked on stays in the processor's cache
 
 
 def columns(message: "type[Message]", payloads: Payloads) -> dict[str, Column]:
@@ -36,17 +36,9 @@ def columns(message: "type[Message]", payloads: Payloads) -> dict[str, Column]:
     return {slot.name: column for slot, column in zip(slots, block, strict=True)}
 
 
-def _end(slot: "Slot") -> int:
-    """The end of a field in bytes."""
-    assert slot.offset is not None
-    assert slot.length is not None
-    return -(-(slot.offset + slot.length) // 8)
-
-
 def _fit(message: "type[Message]", payloads: Payloads) -> Payloads:
     """Rows with all fields before the first variable one; what is missing is not available."""
-    first = codec.parts(message)[:1]
-    blank = codec.blank(first[0]) if first and isinstance(first[0], codec.Run) else codec.Blank(0, 0, (0,))
+    blank = _blank(message)
     missing = blank.size - payloads.shape[1]
     if missing <= 0:
         return payloads if payloads.strides[1] == 1 else np.ascontiguousarray(payloads)
@@ -55,23 +47,38 @@ def _fit(message: "type[Message]", payloads: Payloads) -> Payloads:
     return np.pad(payloads, ((0, 0), (0, missing))) & keep | fill
 
 
+@cache
+def _blank(message: "type[Message]") -> codec.Blank:
+    first = next(iter(codec.parts(message)), None)
+    return codec.blank(first) if isinstance(first, codec.Run) else codec.Blank(0, 0, (0,))
+
+
 def _fill(column: Column, slot: "Slot", rows: Payloads) -> None:
     assert isinstance(slot.field, Fixed)
     assert slot.offset is not None
     first, shift = divmod(slot.offset, 8)
-    size = _end(slot) - first
-    if size == 1:
-        column[:] = _table(slot.field, shift)[rows[:, first]]
-    else:
-        _convert(column, slot.field, _raw(slot.field, shift, rows[:, first : first + size]))
+    end = -(-(slot.offset + slot.field.bits) // 8)
+    _convert(column, slot.field, _raw(slot.field, shift, rows[:, first:end]))
 
 
-@cache
-def _table(field: Fixed, shift: int) -> Column:
-    """What each value of a byte means to a field within it."""
-    column = np.empty(256)
-    _convert(column, field, _cut(field, np.arange(256, dtype=np.uint64) >> np.uint64(shift)))
-    return column
+def _raw(field: Fixed, shift: int, data: Payloads) -> Raw:
+    """The raw values, cut from the bytes that cover the field."""
+    word = _word(data)
+    spare = 8 * word.itemsize - field.bits
+    if isinstance(field, Number) and field.signed:
+        return (word << spare - shift if spare else word).view(f"<i{word.itemsize}") >> spare
+    return word >> shift & field.ones if spare else word
+
+
+def _word(data: Payloads) -> Raw:
+    """Little-endian words of all bytes of a row."""
+    size = data.shape[1]
+    if size in WIDTHS:
+        return np.ascontiguousarray(data.view(f"<u{size}")[:, 0])
+    word = np.zeros(len(data), f"<u{next(width for width in WIDTHS if width > size)}")
+    for place in range(size):
+        word |= data[:, place].astype(word.dtype) << 8 * place
+    return word
 
 
 def _convert(column: Column, field: Fixed, raw: Raw) -> None:
@@ -79,7 +86,7 @@ def _convert(column: Column, field: Fixed, raw: Raw) -> None:
     if not isinstance(field, Number):
         column[:] = raw
         if isinstance(field, Lookup):
-            column[raw > field.highest] = np.nan
+            _forget(column, raw > field.highest)
         return
     if field.inverse is not None:
         np.divide(raw, float(field.inverse), out=column, dtype=np.float64)
@@ -91,26 +98,9 @@ def _convert(column: Column, field: Fixed, raw: Raw) -> None:
     invalid = raw > highest
     if lowest:
         invalid |= raw < lowest
+    _forget(column, invalid)
+
+
+def _forget(column: Column, invalid: npt.NDArray[np.bool_]) -> None:
     if invalid.any():
         column[invalid] = np.nan
-
-
-def _raw(field: Fixed, shift: int, data: Payloads) -> Raw:
-    """The raw values: words where the field is one, else cut from the bytes that cover it."""
-    size = data.shape[1]
-    if shift == 0 and field.bits == 8 * size and size in WIDTHS:
-        kind = "i" if isinstance(field, Number) and field.signed else "u"
-        return np.ascontiguousarray(data.view(f"<{kind}{size}")[:, 0])
-    word = np.zeros(len(data), np.uint64)
-    for place in range(size):
-        word |= data[:, place].astype(np.uint64) << np.uint64(8 * place)
-    return _cut(field, word >> np.uint64(shift))
-
-
-def _cut(field: Fixed, word: npt.NDArray[np.uint64]) -> Raw:
-    """The lowest bits of a word, with their sign."""
-    raw = word & np.uint64(field.ones)
-    if isinstance(field, Number) and field.signed:
-        sign = 1 << field.bits - 1
-        return (raw.astype(np.int64) ^ sign) - sign
-    return raw

@@ -19,7 +19,7 @@ After every transfer and every denial the next in the queue is announced with a 
 """
 
 from collections.abc import Sequence
-from enum import Enum
+from enum import Enum, auto
 
 from timonel.core.effects import Event, Refused
 
@@ -31,15 +31,15 @@ STATIONS = (1, 2, 3, 4)
 class Verb(Enum):
     """What a station may say about command."""
 
-    REQUEST = "request"
-    RELEASE = "release"
-    ACKNOWLEDGE = "acknowledge"
-    DENY = "deny"
-    TAKE = "take"
+    REQUEST = auto()
+    RELEASE = auto()
+    ACKNOWLEDGE = auto()
+    DENY = auto()
+    TAKE = auto()
 
 
 class OnTimeout(Enum):
-    """What becomes of a request that the commander leaves unanswered."""
+    """What becomes of a request that the commander leaves unanswered; the words of a configuration."""
 
     TRANSFER = "transfer"
     DENY = "deny"

@@ -44,14 +44,26 @@ class Slot(msgspec.Struct, frozen=True):
 LAZY: dict[str, Any] = {}
 
 
-class MessageMeta(msgspec.StructMeta):
-    """Makes every message frozen and unseen by the garbage collector, and reads its layout.
+class LayoutMeta(msgspec.StructMeta):
+    """Makes every declaration frozen and unseen by the garbage collector, and reads its layout.
 
     At run time a field left out is None; the type checker asks for those that are declared without a default.
     """
 
-    PGN: int | None
     layout: tuple[Slot, ...]
+
+    def __new__(mcls, name: str, bases: tuple[type, ...], namespace: dict[str, Any], **options: Any) -> "LayoutMeta":
+        for field in _annotated(namespace):
+            namespace.setdefault(field, None)
+        cls = super().__new__(mcls, name, bases, namespace, **options | {"frozen": True, "gc": False})
+        cls.layout = tuple(_slots(cls))
+        return cls
+
+
+class MessageMeta(LayoutMeta):
+    """Adds the PGN, and the codec that is made when it is first used."""
+
+    PGN: int | None
 
     def __new__(
         mcls,
@@ -61,13 +73,10 @@ class MessageMeta(msgspec.StructMeta):
         *,
         pgn: int | None = None,
         **options: Any,
-    ) -> "MessageMeta":
-        for field in _annotated(namespace):
-            namespace.setdefault(field, None)
-        options |= {"frozen": True, "gc": False}
+    ) -> "LayoutMeta":
         cls = super().__new__(mcls, name, bases, namespace, **options)
+        assert isinstance(cls, MessageMeta)
         cls.PGN = pgn
-        cls.layout = tuple(_slots(cls))
         for method, lazy in LAZY.items():  # a class never inherits the codec of its base
             setattr(cls, method, lazy)
         return cls
@@ -96,7 +105,7 @@ def _annotated(namespace: dict[str, Any]) -> list[str]:
     return [name for name, hint in annotations.items() if get_origin(hint) is Annotated]
 
 
-def _slots(cls: MessageMeta) -> list[Slot]:
+def _slots(cls: LayoutMeta) -> list[Slot]:
     defaults = dict(zip(reversed(cls.__struct_fields__), reversed(cls.__struct_defaults__), strict=False))
     slots: list[Slot] = []
     offset: int | None = 0

@@ -10,20 +10,21 @@ class Pace:
     through.
     """
 
-    __slots__ = ("_due", "interval")
+    __slots__ = ("_due", "interval", "opens")
 
     def __init__(self, interval: float) -> None:
         self.interval = interval
-        self._due = float("-inf")
+        self.opens = self._due = float("-inf")
+        """When the next event is within the ceiling, s."""
 
     def open(self, now: float) -> bool:
         """Whether an event at `now` (s) is within the ceiling."""
-        return now >= self._due - self.interval
+        return now >= self.opens
 
     def count(self, now: float) -> None:
         """An event happened at `now`."""
-        due = self._due
-        self._due = (due if due > now else now) + self.interval
+        self.opens = now if now > self._due else self._due
+        self._due = self.opens + self.interval
 
 
 class Allowance:

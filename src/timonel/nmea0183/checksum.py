@@ -33,8 +33,10 @@ def checksum(body: bytes) -> int:
     if not 24 < len(body) <= 128:
         return reduce(xor, body, 0)
     folded = int.from_bytes(body, "little")
-    folded ^= folded >> 512
-    folded ^= folded >> 256
+    if len(body) > 64:
+        folded ^= folded >> 512
+    if len(body) > 32:
+        folded ^= folded >> 256
     folded ^= folded >> 128
     folded ^= folded >> 64
     folded ^= folded >> 32

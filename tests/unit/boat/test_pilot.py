@@ -589,3 +589,51 @@ def test_in_alarm_a_report_is_kept_but_not_shown():
     assert boat.pilot.reported(PilotReport(TRACK, 100), 4.1) == []
     assert boat.pilot.mode is ALARM
     assert PILOT_SILENT not in [alert.kind for alert in boat.alerts.standing]
+
+
+# At the boundary --------------------------------------------------------------------------------------------
+
+
+def test_the_modes_are_the_words_of_status():
+    assert [mode.value for mode in Mode] == ["STANDBY", "HEADING_HOLD", "TRACK", "ALARM", ""]
+
+
+def test_a_report_three_seconds_old_is_no_report_when_a_command_was_not_followed():
+    boat = Boat()
+    boat.pilot.reported(PilotReport(STANDBY), 1.0)
+    boat.engaged(now=2.0)
+    boat.lives(3.9)
+    boat.pilot.expire(4.0)
+    assert shown(boat.pilot) == (HOLD, 900)
+
+
+def test_a_report_three_seconds_old_is_no_report_when_data_is_back():
+    boat = Boat().engaged(now=1.0)
+    boat.pilot.reported(PilotReport(HOLD, 900), 1.0)
+    boat.pilot.expire(4.0)
+    boat.pilot.reported(PilotReport(HOLD, 900), 4.5)
+    boat.lives(7.5)
+    assert boat.pilot.mode is ALARM, "it has a second to report"
+
+
+def test_a_pilot_that_was_let_go_is_not_told_so_after_every_silence():
+    boat = Boat().engaged(now=1.0).silent_from(1.0)
+    assert steers(boat.lives(6.0)) == [None]
+    boat.lives(7.0)
+    boat.silent_from(7.0)
+    assert steers(boat.lives(12.0)) == []
+
+
+def test_alerts_say_what_is_wrong():
+    boat = Boat().engaged(now=1.0)
+    boat.pilot.reported(PilotReport(HOLD, 900), 1.0)
+    for now in (2.0, 3.0, 4.0):
+        boat.lives(now, heading=None)
+        boat.pilot.expire(now)
+    alive_until(boat, 5, 11)
+    boat.pilot.expire(14.0)
+    assert {alert.text for alert in boat.alerts.standing} == {
+        "no heading for 3 s while holding one",
+        "the pilot has not reported for 10 s",
+        "nothing heard from the backbone for 3 s",
+    }

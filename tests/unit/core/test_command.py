@@ -30,9 +30,7 @@ def test_who_asks_first_gets_command_at_once():
 
 def test_a_station_that_does_not_exist_is_refused():
     for station in (0, 5):
-        assert CommandTransfer().receive(Verb.REQUEST, station, now=0.0) == [
-            Refused("no such station", station)
-        ]
+        assert CommandTransfer().receive(Verb.REQUEST, station, now=0.0) == [Refused("no such station", station)]
 
 
 def test_a_silent_commander_loses_command_after_ten_seconds():
@@ -147,9 +145,7 @@ def test_a_bridge_that_insists_keeps_command_and_voids_the_queue():
 def test_nobody_but_the_bridge_takes_command():
     for station in (2, 3, 4):
         command = commanded_by(1)
-        assert command.receive(Verb.TAKE, station, now=1.0) == [
-            Refused("only the bridge takes command", station)
-        ]
+        assert command.receive(Verb.TAKE, station, now=1.0) == [Refused("only the bridge takes command", station)]
         assert command.commander == 1
 
 
@@ -174,3 +170,7 @@ def test_displays_see_who_waits_and_how_long_the_head_still_waits():
     assert waiting(command, now=4.0) == [(2, 7.0), (4, None)]
     assert waiting(command, now=99.0) == [(2, 0.0), (4, None)]
     assert waiting(CommandTransfer(), now=0.0) == []
+
+
+def test_a_configuration_names_what_silence_means():
+    assert [OnTimeout("transfer"), OnTimeout("deny")] == list(OnTimeout)

@@ -7,9 +7,7 @@ turns with the boat; 1 Hz and less for the rest, as the specification has them.
 
 from collections.abc import Callable
 from datetime import date, timedelta
-from functools import partial
 from math import degrees
-from operator import methodcaller
 from typing import Any
 
 import msgspec
@@ -537,33 +535,26 @@ HEAR: dict[type[Message], Hear] = {
 """Every message that is listened to, and how."""
 
 
-Encode = Callable[[Sentence], bytes]
-
-
-def encoder(dialect: str, talker: str) -> Encode:
-    """What makes sentences of `talker` bytes, as the dialect has them."""
-    return partial(encode_ar10, talker=talker) if dialect == "ar-1.0" else methodcaller("encode", talker)
-
-
 class Stream:
     """One line of the table at work: builds the sentence when its ceiling allows."""
 
-    __slots__ = ("_build", "_encode", "_key", "_pace")
+    __slots__ = ("_build", "_key", "_pace", "_standard", "_talker")
 
     def __init__(self, conversion: Conversion, rate: float, dialect: str) -> None:
         self._build = conversion.build
         self._key = conversion.key
         self._pace = Pace(1 / rate)
-        self._encode = encoder(dialect, conversion.talker)
+        self._talker = conversion.talker
+        self._standard = dialect == "standard"
 
     def say(self, truth: Truth, message: Message, now: float) -> Say | None:
         """The sentence that `message` brings about, if there is one. Raises EncodeError for an absurd value."""
-        if not self._pace.open(now):
+        if now < self._pace.opens:
             return None
         sentence = self._build(truth, message, now)
         if sentence is None:
             return None
-        line = self._encode(sentence)
+        line = sentence.encode(self._talker) if self._standard else encode_ar10(sentence, self._talker)
         self._pace.count(now)
         return Say(line, self._key)
 

@@ -104,7 +104,7 @@ class Pilot:
         self._bus_heard = now
         self._bus_silent = False
         self._heading: float | None = None
-        self._heading_heard = now - DATA_AGE
+        self._heading_heard = now
         self._report: PilotReport | None = None
         self._report_heard = now
         self._report_due = now
@@ -128,7 +128,7 @@ class Pilot:
 
     def heading(self, now: float) -> float | None:
         """The present heading in degrees; None if the last one is 3 s old."""
-        return self._heading if now - self._heading_heard < DATA_AGE else None
+        return self._heading if now < self._heading_heard + DATA_AGE else None
 
     # What the bus tells ---------------------------------------------------------------------------
 
@@ -300,7 +300,7 @@ class Pilot:
             return []
         text = "engage" if command.mode is Mode.HEADING_HOLD else "standby"
         effects = self._alerts.arise(PILOT_NOT_FOLLOWING, f"{text} not followed for {FOLLOW_TIME:g} s", now)
-        if now - self._report_heard >= DATA_AGE:
+        if now >= self._report_heard + DATA_AGE:
             return effects
         was_ours = self._ours
         effects += self._adopt(self._report)
@@ -311,7 +311,7 @@ class Pilot:
             return self._release()
         if self._bus_silent or self._alerts.active(HEADING_LOST):
             return []
-        if self._report is None or now - self._report_heard < DATA_AGE:
+        if self._report is None or now < self._report_heard + DATA_AGE:
             return self._recover(now)
         self._recover_at = now + REPORT_GRACE
         return []

@@ -105,7 +105,7 @@ class PilotReports:
         return None
 
     def _tell(self, mode: Mode, source: int, now: float) -> Reading | None:
-        if not self._is_pilot(source, now):
+        if not self._is_pilot(source, now, own_words=True):
             return None
         self._told.offer(mode, now, source)
         return Reading(mode, *self._locked_course(now))
@@ -133,11 +133,14 @@ class PilotReports:
         modes = MAKERS.get(maker, STANDARD) if maker is not None else STANDARD
         return modes.get(told, Mode.UNKNOWN)
 
-    def _is_pilot(self, source: int, now: float) -> bool:
-        """Whoever says to be an autopilot, else who was the pilot, else who speaks like one first."""
+    def _is_pilot(self, source: int, now: float, own_words: bool = False) -> bool:
+        """Whoever says to be an autopilot or has its maker's words for the mode, else who sends 127237.
+
+        Control heads send 127237 too: Raymarine's do, its pilot does not.
+        """
         name = self._names.get(source)
-        if name is None:
-            rank = 1
+        if own_words or (name is not None and (name.device_class, name.device_function) == AUTOPILOT):
+            rank = 0
         else:
-            rank = 0 if (name.device_class, name.device_function) == AUTOPILOT else 2
+            rank = 1 if name is None else 2
         return self._pilot.offer(source, now, source, rank)

@@ -99,6 +99,7 @@ class Boat:
         self._unplugged: set[int] = set()
         self._routes: dict[int, Route] = {}
         self._status_due = now
+        self._due = now
 
     @property
     def fast_packets(self) -> FastPacketCounters:
@@ -126,8 +127,8 @@ class Boat:
             message = route.decode(data)
             if message is not None:
                 effects += self._hear(message, route.source, now)
-        if heard:
-            effects = self._tell(self.helm.pilot.bus_heard(now), now) + effects
+        if heard and (back := self.helm.pilot.bus_heard(now)):
+            return self._tell(back, now) + effects
         return effects
 
     def receive_message(self, identifier: int, payload: bytes, now: float) -> list[Effect]:
@@ -259,21 +260,29 @@ class Boat:
 
     @property
     def deadline(self) -> float:
-        """When `expire` is due."""
-        return min(self._status_due, self.helm.deadline)
+        """When `expire` is due: perhaps before there is anything to do, never after.
+
+        It is asked for once a wake-up, so it is worked out anew only when something happened. What is merely heard
+        puts deadlines off, or sets one of a second and more, and it is worked out at every STATUS too.
+        """
+        return self._due
+
+    def _look_ahead(self) -> None:
+        self._due = min(self._status_due, self.helm.deadline)
 
     def expire(self, now: float) -> list[Effect]:
         """What the passing of time brings about."""
         effects = self._tell(self.helm.expire(now), now)
-        if now < self._status_due:
-            return effects
-        self._status_due += STATUS_INTERVAL
-        if self._status_due <= now:  # nobody called for a while
-            self._status_due = now + STATUS_INTERVAL
-        return [*effects, self._status(now)]
+        if now >= self._status_due:
+            self._status_due += STATUS_INTERVAL
+            if self._status_due <= now:  # nobody called for a while
+                self._status_due = now + STATUS_INTERVAL
+            effects.append(self._status(now))
+        self._look_ahead()
+        return effects
 
     def _overdue(self, now: float) -> list[Effect]:
-        return self.expire(now) if now >= self.deadline else []
+        return self.expire(now) if now >= self._due else []
 
     # To the outside -------------------------------------------------------------------------------
 
@@ -284,7 +293,11 @@ class Boat:
             effects.append(event)
             effects += self._carry_out(event, now)
             status = status or isinstance(event, SHOWN)
-        return [*effects, self._status(now)] if status else effects
+        if status:
+            effects.append(self._status(now))
+        if effects:
+            self._look_ahead()
+        return effects
 
     def _carry_out(self, event: Event, now: float) -> list[Effect]:
         match event:

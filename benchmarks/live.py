@@ -1,0 +1,229 @@
+"""From a frame on the bus to the sentence in a listener's hands: latency, cost, highest rate; beside other programs.
+
+    python -m benchmarks.live [--json] [--passes 5] [--seconds 4] [--only WORD]
+
+Everything runs in processes of its own: the program alone on one core, what sends and what reads on the other. A
+latency counts from just before the frame is sent to just after its sentence was read, so both system calls and both
+wake-ups are in it. See `docs/performance.md` for what was found.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from statistics import median
+from typing import Any
+
+from benchmarks import command, memory
+from benchmarks.live_gateway import Setup, bus_pair, run_gateway
+from benchmarks.peers import Peer, peers
+from benchmarks.processes import (
+    HARNESS,
+    PROGRAM,
+    Helper,
+    Stamps,
+    Where,
+    cpu_seconds,
+    ending,
+    run_reader,
+    run_source,
+)
+from benchmarks.table import table
+from benchmarks.traffic import ONE_A_FRAME, ROUNDS, USUAL, places, raw_cycle, unambiguous
+
+Result = dict[str, float]
+RATE = 2000  # frames/s; a full bus of 250 kbit/s has 1766
+WARM_UP = 1.0  # s
+SETTLE = 0.5  # s until what is on its way has come, and until every terminal is found open
+OUTPUTS = 12
+CYCLE = raw_cycle()
+
+SETUPS = {
+    "12 outputs, flush 0ms": Setup(ONE_A_FRAME),
+    "12 outputs, flush 2ms": Setup(ONE_A_FRAME, flush=0.002),
+    "12 outputs, flush 5ms": Setup(ONE_A_FRAME, flush=0.005),
+    "12 outputs, usual ceilings": Setup(USUAL),
+    "1 output (TCP)": Setup(ONE_A_FRAME, terminals=0, clients=1),
+}
+COMMANDED = "12 outputs, flush 0ms"
+
+
+class Session:
+    """One program between a source and a reader."""
+
+    def __init__(self, pid: int, source: Helper, reader: Helper) -> None:
+        self._pid = pid
+        self._source = source
+        self._reader = reader
+        self._reader.order("count")
+
+    def _next(self, *order: Any) -> Any:
+        """What the reader heard until now; `order` is for what comes."""
+        time.sleep(SETTLE)
+        self._reader.order(*order)
+        return self._reader.answer()
+
+    def paced(self, seconds: float, commands: bool = False) -> Result:
+        """Latency in us and CPU time in us a frame at `RATE`."""
+        self._source.ask("paced", RATE, int(RATE * WARM_UP))
+        self._next("stamp", commands)
+        count = int(RATE * seconds)
+        used = cpu_seconds(self._pid)
+        self._source.ask("paced", RATE, count)
+        used = cpu_seconds(self._pid) - used
+        heard = self._next("count")
+        if commands:
+            return {f"command_{name}": value for name, value in heard.commands.items()}
+        return {**heard.latencies, "cpu_us": used / count * 1e6, "sentences": sum(heard.sentences) / count}
+
+    def flat_out(self, seconds: float) -> Result:
+        """Frames taken in a second when there are always more, and CPU time in us of each."""
+        begun, used, sent = time.monotonic(), cpu_seconds(self._pid), self._source.ask("flat out", 0.0)
+        sent = self._source.ask("flat out", seconds) - sent
+        took, used = time.monotonic() - begun, cpu_seconds(self._pid) - used
+        heard = self._next("count")
+        return {
+            "most_frames_s": sent / took,
+            "most_cpu_us": used / sent * 1e6,
+            "most_sentences": sum(heard.sentences) / sent,
+        }
+
+
+@contextmanager
+def session(pid: int, bus: int, where: Where, origins: dict[bytes, int]) -> Iterator[Session]:
+    """Source on `bus`, reader on the rest."""
+    stamps = Stamps()
+    reader = Helper(HARNESS, run_reader, where, origins, len(CYCLE), stamps)
+    source = Helper(HARNESS, run_source, bus, CYCLE, stamps)
+    with ending(reader, source):
+        reader.answer()
+        time.sleep(SETTLE)
+        yield Session(pid, source, reader)
+
+
+@contextmanager
+def with_gateway(setup: Setup) -> Iterator[tuple[Session, Helper]]:
+    """A session with our own gateway."""
+    near, far = bus_pair()
+    with tempfile.TemporaryDirectory() as directory:
+        gateway = Helper(PROGRAM, run_gateway, near.fileno(), directory, setup)
+        with ending(gateway), near, far:
+            terminals = tuple(f"{directory}/{number}" for number in range(1, 1 + setup.terminals))
+            where = Where(far.fileno(), terminals, gateway.answer(), setup.clients)
+            with session(gateway.pid, far.fileno(), where, places()) as running:
+                yield running, gateway
+
+
+def measure_gateway(setup: Setup, seconds: float) -> Result:
+    """Latency, cost, highest rate and memory of the gateway."""
+    with with_gateway(setup) as (running, gateway):
+        paced = running.paced(seconds)
+        lost = gateway.ask("counters")["lost"]
+        flat_out = running.flat_out(seconds)
+        after = gateway.ask("counters")
+    return {**paced, **flat_out, "lost": lost, "most_lost": after["lost"] - lost, "mib": after["mib"]}
+
+
+def measure_commands(setup: Setup, seconds: float) -> Result:
+    """From a `$PARP` line to the last frame of its 127237, while the bus is full."""
+    with with_gateway(setup) as (running, _):
+        return running.paced(seconds, commands=True)
+
+
+def measure_peer(peer: Peer, seconds: float) -> Result:
+    """The same of another program, with one reader."""
+    process_in, bus = os.pipe()
+    output, process_out = os.pipe()
+    process = subprocess.Popen(peer.command, stdin=process_in, stdout=process_out, stderr=subprocess.DEVNULL)
+    os.sched_setaffinity(process.pid, {PROGRAM})
+    os.close(process_in)
+    os.close(process_out)
+    try:
+        with session(process.pid, bus, Where(bus, pipe=output), _places_of(peer)) as running:
+            return {**running.paced(seconds), **running.flat_out(seconds)}
+    finally:
+        process.kill()
+        process.wait()
+        os.close(bus)
+        os.close(output)
+
+
+def _places_of(peer: Peer) -> dict[bytes, int]:
+    """What the peer says of each frame, from a run of its own: one sentence each, or it does not do the same work."""
+    done = subprocess.run(peer.command, input=b"".join(CYCLE * 2), stdout=subprocess.PIPE, check=True)
+    lines = done.stdout.splitlines(keepends=True)
+    assert len(lines) == 2 * len(CYCLE)
+    return unambiguous((line, place) for place, line in enumerate(lines[len(CYCLE) :]))
+
+
+# What to run ----------------------------------------------------------------------------------------------------
+
+
+def scenarios(seconds: float) -> dict[str, Callable[[], Result]]:
+    """By name; each is one pass."""
+    found: dict[str, Callable[[], Result]] = {
+        f"timonel, {name}": lambda setup=setup: measure_gateway(setup, seconds) for name, setup in SETUPS.items()
+    }
+    found |= {f"{peer.name}, 1 output": lambda peer=peer: measure_peer(peer, seconds) for peer in peers()}
+    found["command under load"] = lambda: measure_commands(SETUPS[COMMANDED], max(seconds, 4.0))
+    found["command, the machine alone"] = command.measure
+    found["an hour of bus"] = memory.measure
+    return found
+
+
+def run(wanted: dict[str, Callable[[], Result]], passes: int) -> dict[str, Result]:
+    """All scenarios in turn, so many times; medians."""
+    results: dict[str, list[Result]] = {name: [] for name in wanted}
+    for number in range(passes):
+        for name, measure in wanted.items():
+            print(f"pass {number + 1} of {passes}: {name}", file=sys.stderr, flush=True)
+            results[name].append(measure())
+    return {name: medians(rows) for name, rows in results.items()}
+
+
+def medians(rows: Iterable[Result]) -> Result:
+    """Of each figure by itself."""
+    listed = list(rows)
+    return {key: median(row[key] for row in listed if key in row) for key in listed[0]}
+
+
+def show(results: dict[str, Result]) -> str:
+    """The tables of docs/performance.md."""
+    flows = {name: row for name, row in results.items() if "p50" in row}
+    others = {name: row for name, row in results.items() if "p50" not in row}
+    columns = {
+        "p50 us": ("p50", ".0f"),
+        "p99": ("p99", ".0f"),
+        "p99.9": ("p999", ".0f"),
+        "CPU us/frame": ("cpu_us", ".0f"),
+        "sentences/frame": ("sentences", ".2f"),
+        "lost": ("lost", ".0f"),
+        "most frames/s": ("most_frames_s", ",.0f"),
+        "CPU us/frame, then": ("most_cpu_us", ".1f"),
+        "sentences/frame, then": ("most_sentences", ".2f"),
+    }
+    text = table(flows, columns)
+    for name, row in others.items():
+        text += f"\n{name}: " + ", ".join(f"{key} {value:,.1f}" for key, value in row.items())
+    return text
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--passes", type=int, default=5)
+    parser.add_argument("--seconds", type=float, default=4.0, help="of each part of a pass")
+    parser.add_argument("--only", default="", help="scenarios with this in their name")
+    parser.add_argument("--json", action="store_true")
+    chosen = parser.parse_args()
+    wanted = {name: measure for name, measure in scenarios(chosen.seconds).items() if chosen.only in name}
+    results = run(wanted, chosen.passes)
+    print(json.dumps(results, indent=1) if chosen.json else show(results))
+
+
+if __name__ == "__main__":
+    main()

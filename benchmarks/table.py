@@ -1,0 +1,23 @@
+"""A table as the documentation has it."""
+
+from collections.abc import Mapping
+
+Columns = Mapping[str, tuple[str, str]]
+"""Heading to the figure's name and its format."""
+
+
+def table(rows: Mapping[str, Mapping[str, float]], columns: Columns) -> str:
+    """Markdown, padded so that it reads as text too."""
+    cells = [["", *columns]]
+    for name, row in rows.items():
+        cells.append([name, *(format(row[key], how) if key in row else "" for key, how in columns.values())])
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    lines = [_line(line, widths) for line in cells]
+    lines.insert(1, "|" + "|".join("-" * (width + 1) + (":" if place else "-") for place, width in enumerate(widths)) + "|")
+    return "\n".join(lines) + "\n"
+
+
+def _line(cells: list[str], widths: list[int]) -> str:
+    name, *figures = cells
+    padded = [name.ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(figures, widths[1:], strict=True))]
+    return "| " + " | ".join(padded) + " |"

@@ -1,0 +1,60 @@
+"""The constants that turn raw values into SI, by name: all of them are configuration.
+
+```
+current [A]     = (raw - zero) * adc_volts / adc_counts * (r1 + r2) / r2 / sensor
+speed [rpm]     = clock * input prescaler * 60 / (timer prescaler * pulses * raw)
+voltage [V]     = raw * adc_volts / adc_counts * (r1 + r2) / r1
+```
+`DOCUMENTED` is the protocol's original text to the letter; `PHYSICAL` mends what it leaves out.
+"""
+
+from typing import Annotated
+
+import msgspec
+
+Positive = Annotated[float, msgspec.Meta(gt=0)]
+Counts = Annotated[float, msgspec.Meta(ge=-32768, le=32767)]
+Three = tuple[Counts, Counts, Counts]
+Four = tuple[Positive, Positive, Positive, Positive]
+
+IDLE = 4096 * 1.5 / 3.3
+"""ADC counts of an ACS714 without current: half of its 5 V supply behind the divider."""
+
+
+class Calibration(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Constants of a rover; the defaults are `PHYSICAL`. Three values are those of the front, middle and rear wheel.
+
+    Source: spec/rover.md, Raw to SI.
+    """
+
+    adc_volts: Positive = 3.3
+    adc_counts: Positive = 4096
+    current_zero_right: Three = (IDLE, IDLE, IDLE)
+    """Raw value of each motor's current sensor without current, in ADC counts."""
+    current_zero_left: Three = (IDLE, IDLE, IDLE)
+    current_zero_arm: Counts = IDLE
+    current_r1_kohm: Positive = 1.0
+    current_r2_kohm: Positive = 1.5
+    current_sensor_drive: Positive = 0.040
+    """V/A: the 50 A sensor of the drive motors."""
+    current_sensor_arm: Positive = 0.100
+    """V/A: the 20 A sensor of the manipulator."""
+    encoder_clock_hz: Positive = 36e6
+    encoder_input_prescaler: Positive = 4
+    encoder_timer_prescaler: Positive = 250
+    encoder_pulses: Positive = 1024
+    """Rising edges a revolution."""
+    tap_r1_kohm: Four = (22, 12.4, 10, 10)
+    """The lower resistor of each tap's divider."""
+    tap_r2_kohm: Four = (6.8, 22, 33, 47)
+    temperature_counts_per_degree: Positive = 2
+    acceleration_counts_per_g: Positive = 16384
+    rate_counts_per_degree_per_second: Positive = 131
+    magnetic_milligauss_per_count: Positive = 0.160
+
+
+PHYSICAL = Calibration()
+DOCUMENTED = Calibration(
+    current_zero_right=(0, 0, 0), current_zero_left=(0, 0, 0), current_zero_arm=0, encoder_pulses=1
+)
+CALIBRATIONS = {"documented": DOCUMENTED, "physical": PHYSICAL}
