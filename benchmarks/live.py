@@ -122,11 +122,13 @@ def with_gateway(setup: Setup) -> Iterator[tuple[Session, Helper]]:
 def measure_gateway(setup: Setup, seconds: float) -> Result:
     """Latency, cost, highest rate and memory of the gateway."""
     with with_gateway(setup) as (running, gateway):
+        before = gateway.ask("counters")
         paced = running.paced(seconds)
-        lost = gateway.ask("counters")["lost"]
+        between = gateway.ask("counters")
         flat_out = running.flat_out(seconds)
         after = gateway.ask("counters")
-    return {**paced, **flat_out, "lost": lost, "most_lost": after["lost"] - lost, "mib": after["mib"]}
+    lost, most_lost = between["lost"] - before["lost"], after["lost"] - between["lost"]
+    return {**paced, **flat_out, "lost": lost, "most_lost": most_lost, "mib": after["mib"]}
 
 
 def measure_commands(setup: Setup, seconds: float) -> Result:

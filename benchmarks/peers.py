@@ -1,12 +1,13 @@
 """The other programs that do the same work, and how they get here.
 
-The Python one is in the development environment; the JavaScript one is installed by npm, outside the source tree.
+What the development environment does not have is installed outside the source tree, in versions that stand here.
 """
 
 import os
 import shutil
 import subprocess
 import sys
+import venv
 from pathlib import Path
 
 import msgspec
@@ -50,3 +51,16 @@ def _node_modules() -> Path | None:
             print("npm could not install the Signal K programs; they are left out", file=sys.stderr)
             return None
     return directory / "node_modules"
+
+
+def with_package(requirement: str) -> Path | None:
+    """The Python of an environment with `requirement`; None where it cannot be had."""
+    directory = CACHE / requirement
+    python = directory / "bin" / "python"
+    if not (directory / "complete").exists():
+        venv.create(directory, with_pip=True, clear=True)
+        if subprocess.run([python, "-m", "pip", "install", "-qq", requirement]).returncode:
+            print(f"{requirement} could not be installed; it is left out", file=sys.stderr)
+            return None
+        (directory / "complete").touch()
+    return python

@@ -32,6 +32,7 @@ CAN_FRAME_SIZE = 16
 COMMAND_EVERY = 0.1  # s
 COMMAND_FRAMES = 4  # of one 127237
 READ_AT_ONCE = 1 << 18
+PIECE = 4096  # a long buffer for each short piece would be a lot of memory
 QUANTILES = {"p50": 0.5, "p99": 0.99, "p999": 0.999}
 
 _fork = multiprocessing.get_context("fork")
@@ -220,7 +221,7 @@ def _stamp(pipe: Connection, outputs: list[int], commander: "Commander | None") 
             if commander is not None and fd == commander.bus.fileno():
                 commander.hear()
             else:
-                data = os.read(fd, READ_AT_ONCE)
+                data = os.read(fd, PIECE)
                 reads.append((time.monotonic_ns(), fd, data))
 
 

@@ -1,12 +1,13 @@
-"""Writes docs/pgns.md, the layouts of all declared PGNs, from their declarations."""
+"""Writes the pages that follow from declarations: docs/pgns.md and docs/conversion.md."""
 
 from pathlib import Path
 
 from timonel.core.reference import section
 from timonel.nmea2000.registry import variants
+from timonel.vehicles.boat.conversion import CONVERSIONS, Conversion
 
-PAGE = Path(__file__).parents[1] / "docs" / "pgns.md"
-INTRODUCTION = """# PGNs
+DOCS = Path(__file__).parents[1] / "docs"
+PGNS = """# PGNs
 
 Written by `scripts/make_reference.py` from the declarations in `timonel.nmea2000.messages`; do not edit.
 
@@ -16,11 +17,48 @@ available", "out of range" and "reserved"; they read as None, and None is sent a
 rad, temperatures in K, all else in SI as the table says; positions are in degrees, dates in days since
 1970-01-01, times in s since midnight UTC.
 """
+CONVERSION = """# From NMEA 2000 to NMEA 0183
+
+Written by `scripts/make_reference.py` from `timonel.vehicles.boat.conversion`; do not edit.
+
+A sentence is said when one of its messages comes, at most as often as the table says; `[sentences]` in the
+configuration sets other rates, 0 is never. A source that jitters about the rate passes whole.
+
+* A value that is not available leaves its field empty, and a sentence with none of its values is not said. A value
+  of an earlier message counts for 3 s (`max_age`), a time of day for 2 s. No time is ever that of the computer.
+* true = magnetic + variation, magnetic = compass + deviation, east positive. HDT is the heading of a true compass,
+  else that of a magnetic one with its own variation, that of 127258, or that of the World Magnetic Model; where none is
+  to be had there is no HDT. A compass that tells no deviation has none.
+* Of several sources the first is kept to while it speaks. One that tells better takes over at once; any other does
+  when the first has been silent for 1 s (what comes at 10 Hz) or 2 s, or says that it has no heading, position or fix
+  any more.
+* Water temperature comes from 130316, 130312, 130311 or 130310, the first that is alive; position from 129025, else
+  from 129029; date and time from 129029, 126992 or 129033; MWV,T from wind against the water, else from the boat's.
+* Status and mode follow the method of 129029: no fix is `V,N`, an estimated, manual or simulated position is `V` too.
+* Names of waypoints come from 129285, cut to 8 characters; a waypoint without a name is called by its number. RMB
+  leaves the origin out where both names do not fit.
+* A value that no sentence can hold, an altitude of a million kilometres, is rejected and counted.
+
+| sentence | talker | at most | brought about by |
+|---|---|---|---|
+"""
 
 
-def page() -> str:
-    return "\n".join([INTRODUCTION, *map(section, variants())])
+def pgns() -> str:
+    return "\n".join([PGNS, *map(section, variants())])
 
+
+def conversion() -> str:
+    return CONVERSION + "".join(map(_row, CONVERSIONS))
+
+
+def _row(line: Conversion) -> str:
+    messages = ", ".join(f"{message.PGN} {message.__name__}" for message in line.messages)
+    return f"| {line.key} | {line.talker} | {line.rate:g} Hz | {messages} |\n"
+
+
+PAGES = {"pgns.md": pgns, "conversion.md": conversion}
 
 if __name__ == "__main__":
-    PAGE.write_text(page())
+    for name, page in PAGES.items():
+        (DOCS / name).write_text(page())

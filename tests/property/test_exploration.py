@@ -380,7 +380,7 @@ def test_a_mode_that_is_not_understood_is_never_shown_as_standby():
 
 
 def test_the_set_point_stays_within_the_circle_and_ten_ones_are_a_ten():
-    for start in range(0, 3600):
+    for start in range(3600):
         pilot = Pilot(Helm(0.0).alerts, 0.0)
         pilot.heading_heard(start / 10, 0.0)
         pilot.engage(1, 0.0)

@@ -98,7 +98,7 @@ async def watch(directory: Path) -> float:
             sleeper.wake()
             await until(lambda: sleeper.heard and turning.age(*sleeper.headings()[-1]) < DELAY, "the newest")
             turns.cancel()
-            assert len(healthy.headings()) > 0.8 * len(turning.sent)
+            assert len(healthy.headings()) > 0.5 * len(turning.sent)  # two a wake-up, by their ceiling
             assert len(healthy.headings()) - len(sleeper.headings()) > 1000  # it was not kept for the sleeper
             assert all(line.encode() + b"\r\n" == seal(line[1:-3]) for _, line in sleeper.heard)
             assert (await bench.program.health())[f"tcp-listen://127.0.0.1:{port}"]["replaced"] > 1000

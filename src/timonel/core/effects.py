@@ -14,9 +14,9 @@ class Effect(msgspec.Struct, frozen=True, gc=False):
 
 
 class Say(Effect, frozen=True, gc=False):
-    """Write one line to every OUT port.
+    """Write one line to every OUT port: a sentence with its CR LF, or a frame of a binary protocol.
 
-    `line` ends in CR LF. `key` names what the line is about: where a port cannot keep up, a newer line of data
+    `key` names what the line is about: where a port cannot keep up, a newer line of data
     replaces an unsent one of the same key. An `urgent` line goes ahead of all data and is not replaced, unless
     it tells a `state` as a whole, which makes an older one worthless.
     """

@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal, get_type_hints
 
 import msgspec
 
+from timonel.core.mistakes import Mistakes, convert, did_you_mean, syntax_error, written
 from timonel.errors import ConfigError, LinkError
-from timonel.gateway.mistakes import Mistakes, convert, did_you_mean, syntax_error, written
 from timonel.links import urls
 from timonel.vehicles.boat.conversion import RATES
 from timonel.vehicles.boat.settings import BoatSettings, Hertz, Port

@@ -29,15 +29,17 @@ class Fault(StrEnum):
 
 
 def checksum(body: bytes) -> int:
-    """XOR of all bytes of `body`. Beyond a few of them folding one long integer is faster than a loop."""
-    if not 24 < len(body) <= 128:
-        return reduce(xor, body, 0)
+    """XOR of all bytes of `body`. To fold one long integer is faster than to go through the bytes."""
+    size = len(body)
+    if size > 128:
+        return reduce(xor, body)
     folded = int.from_bytes(body, "little")
-    if len(body) > 64:
+    if size > 64:
         folded ^= folded >> 512
-    if len(body) > 32:
+    if size > 32:
         folded ^= folded >> 256
-    folded ^= folded >> 128
+    if size > 16:
+        folded ^= folded >> 128
     folded ^= folded >> 64
     folded ^= folded >> 32
     folded ^= folded >> 16

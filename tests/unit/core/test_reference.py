@@ -3,6 +3,8 @@
 import runpy
 from pathlib import Path
 
+import pytest
+
 from timonel.core.reference import rows, section
 from timonel.nmea2000.messages.navico import SimnetPilotMode
 from timonel.nmea2000.messages.navigation import GnssPositionData
@@ -12,9 +14,10 @@ from timonel.nmea2000.messages.steering import VesselHeading
 ROOT = Path(__file__).parents[3]
 
 
-def test_the_page_is_made_of_the_declarations_as_they_are():
+@pytest.mark.parametrize("name", ["pgns.md", "conversion.md"])
+def test_a_page_is_made_of_the_declarations_as_they_are(name):
     script = runpy.run_path(str(ROOT / "scripts" / "make_reference.py"))
-    assert (ROOT / "docs" / "pgns.md").read_text() == script["page"](), "run scripts/make_reference.py"
+    assert (ROOT / "docs" / name).read_text() == script["PAGES"][name](), "run scripts/make_reference.py"
 
 
 def test_a_row_has_place_size_range_and_unit():

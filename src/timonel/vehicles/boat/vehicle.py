@@ -160,8 +160,8 @@ class Boat:
         if kind not in HEAR:
             return self._hear_device(message, source, now)
         said, taken = self._converter.receive(message, source, now)
-        if kind is VesselHeading and taken:
-            return [*said, *self._tell(self._heading_heard(now), now)]
+        if kind is VesselHeading and taken and (events := self._heading_heard(now)):
+            return [*said, *self._tell(events, now)]
         if kind is HeadingTrackControl:
             return [*said, *self._hear_device(message, source, now)]
         return said

@@ -41,45 +41,44 @@ class Part(msgspec.Struct, frozen=True):
 
     def value(self) -> str:
         """The expression of what the raw value, which is called as the field is, means."""
-        meaning = self.formula.value(self.name)
+        name, meaning = self.name, self.formula.value(self.name)
         if self.signal.codes:
-            return f"code_{self.name}[{self.name}]"
+            return f"_code_{name}[{name}]"
         if self.signal.real:
-            return f"{meaning} if {-LARGEST!r} <= {self.name} <= {LARGEST!r} else None"
+            return f"{meaning} if {-LARGEST!r} <= {name} <= {LARGEST!r} else None"
         if self.signal.special:
-            return f"{meaning} if {self.name} not in special_{self.name} else special_{self.name}[{self.name}]"
+            return f"{meaning} if {name} not in _special_{name} else _special_{name}[{name}]"
         return meaning
 
     def raw(self) -> list[str]:
-        """Lines that give the name of the field to its raw value, or leave by way of `refusal`."""
+        """Lines that give the name of the field to its raw value, or leave by way of `_refusal`."""
         lowest, highest = self.signal.range
-        exact = self.formula.raw("v")
-        raw = "index(v)" if self.counted else exact if self.signal.real else f"round({exact})"
+        exact = self.formula.raw("_v")
+        raw = "_index(_v)" if self.counted else exact if self.signal.real else f"_round({exact})"
+        taken = f" or {self.name} in _special_{self.name}" if self.signal.special else ""
         formula = [
             f"{self.name} = {raw}",
-            f"if not {lowest!r} <= {self.name} <= {highest!r}{self._taken()}:",
-            " raise refusal(self)",
+            f"if not {lowest!r} <= {self.name} <= {highest!r}{taken}:",
+            " raise _refusal(_self)",
         ]
         if not self.signal.special:
-            return [f"v = self.{self.name}", *formula]
+            return [f"_v = _self.{self.name}", *formula]
         return [
-            f"v = self.{self.name}",
-            f"if v in said_{self.name}:",
-            f" {self.name} = said_{self.name}[v]",
+            f"_v = _self.{self.name}",
+            f"if _v in _said_{self.name}:",
+            f" {self.name} = _said_{self.name}[_v]",
             "else:",
             *(f" {line}" for line in formula),
         ]
 
-    def _taken(self) -> str:
-        return f" or {self.name} in special_{self.name}" if self.signal.special else ""
-
     @property
     def scope(self) -> dict[str, Any]:
+        """What the lines refer to."""
         special = dict(self.signal.special)
         return {
-            f"special_{self.name}": special,
-            f"said_{self.name}": {value: raw for raw, value in special.items()},
-            f"code_{self.name}": Table(self.signal.codes) if self.signal.codes else None,
+            f"_special_{self.name}": special,
+            f"_said_{self.name}": {value: raw for raw, value in special.items()},
+            f"_code_{self.name}": Table(self.signal.codes) if self.signal.codes else None,
         }
 
     def fault(self, value: Any) -> str | None:
@@ -132,49 +131,48 @@ class Codec(msgspec.Struct, frozen=True):
 
 @cache
 def codec(frame: type[RoverFrame], calibration: Calibration) -> Codec:
-    """The codec of a frame, made once."""
+    """The codec of a frame, made once. All names but those of the frame's fields begin with an underscore."""
     parts = tuple(Part(name, signal, signal.conversion(calibration)) for name, signal in frame.signals)
     layout = struct.Struct("<" + "".join(part.signal.kind for part in parts))
     scope: dict[str, Any] = {
-        "frame": frame, "unpack": layout.unpack, "pack": layout.pack, "error": struct.error, "index": index,
-        "MISTAKES": MISTAKES, "refusal": lambda given: _refusal(parts, given), "no_values": EncodeError,
+        "_frame": frame, "_nothing": frame(), "_unpack": layout.unpack, "_pack": layout.pack, "_error": struct.error,
+        "_index": index, "_round": round, "_MISTAKES": MISTAKES, "_refusal": lambda given: _refusal(parts, given),
     }  # fmt: skip
     for part in parts:
         scope |= part.scope
     text = "\n".join(_decode(frame, parts) + _encode(frame, parts))
     exec(compile(text, f"<codec of {frame.__name__}>", "exec"), scope)
-    return Codec(frame, parts, text, scope["decode"], scope["encode"])
+    return Codec(frame, parts, text, scope["_decode"], scope["_encode"])
 
 
 def _decode(frame: type[RoverFrame], parts: tuple[Part, ...]) -> list[str]:
-    names = "".join(f"{part.name}, " for part in parts)
     return [
-        "def decode(data):",
+        "def _decode(_data):",
         " try:",
-        f"  {names}= unpack(data)",
-        " except error:",
+        f"  {_names(parts)} = _unpack(_data)",
+        " except _error:",
         "  return None",
-        *([f" if not ({frame.VALID}):", "  return frame()"] if frame.VALID else []),
-        f" return frame({', '.join(part.value() for part in parts)})",
+        *([f" if not ({frame.VALID}):", "  return _nothing"] if frame.VALID else []),
+        f" return _frame({', '.join(part.value() for part in parts)})",
     ]
 
 
 def _encode(frame: type[RoverFrame], parts: tuple[Part, ...]) -> list[str]:
-    lines = ["def encode(self):"]
-    if frame.VALID:
-        lines += [" if self == frame():", f"  return bytes({frame.size})"]
-    lines.append(" try:")
-    for part in parts:
-        lines += [f"  {line}" for line in part.raw()]
-    names = ", ".join(part.name for part in parts)
-    lines += [f"  data = pack({names})", " except MISTAKES:", "  raise refusal(self) from None"]
-    if frame.VALID:
-        lines += [
-            f" {names}, = unpack(data)",
-            f" if not ({frame.VALID}):",
-            f"  raise no_values('{frame.__name__}: what these values say is that there are none')",
-        ]
-    return [*lines, " return data"]
+    return [
+        "def _encode(_self):",
+        *([" if _self == _nothing:", f"  return {bytes(frame.size)!r}"] if frame.VALID else []),
+        " try:",
+        *(f"  {line}" for part in parts for line in part.raw()),
+        f"  _data = _pack({_names(parts)})",
+        " except _MISTAKES:",
+        "  raise _refusal(_self) from None",
+        *([" if _decode(_data) is _nothing:", "  raise _refusal(_self)"] if frame.VALID else []),
+        " return _data",
+    ]
+
+
+def _names(parts: tuple[Part, ...]) -> str:
+    return "".join(f"{part.name}, " for part in parts)
 
 
 def _refusal(parts: tuple[Part, ...], frame: RoverFrame) -> EncodeError:
@@ -182,4 +180,4 @@ def _refusal(parts: tuple[Part, ...], frame: RoverFrame) -> EncodeError:
     for part in parts:
         if fault := part.fault(getattr(frame, part.name)):
             return EncodeError(f"{part.name}: {fault}")
-    raise AssertionError("a codec refused what has no fault")
+    return EncodeError(f"{type(frame).__name__}: {frame} is what is sent when there is nothing")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from timonel.vehicles.rover.conversions import Linear, Reciprocal
 from timonel.vehicles.rover.declaration import CONSTANTS, RoverFrame
 
 if TYPE_CHECKING:
@@ -36,29 +37,37 @@ def _layout(parts: "tuple[Part, ...]") -> np.dtype[np.void]:
 
 def _converter(frame: type[RoverFrame], parts: "tuple[Part, ...]") -> Callable[[Any, Column], None]:
     """Fills the rows of a block, one a signal, with the values of raw payloads."""
-    formulas = [compile(part.formula.value(part.name), "<formula>", "eval") for part in parts]
     valid = compile(frame.VALID, "<valid>", "eval") if frame.VALID else None
-    derived = list(frame.DERIVED.items())
+    derived = [(name, signal, len(parts) + place) for place, (name, signal) in enumerate(frame.DERIVED.items())]
 
     def convert(raws: Any, block: Column) -> None:
-        found = {part.name: raws[part.name].astype(np.float64) for part in parts}
-        values: dict[str, Any] = {}
-        for part, formula, column in zip(parts, formulas, block, strict=False):
-            column[:] = eval(formula, found)
-            _mark(column, part, found[part.name])
-            values[part.name] = column
+        for part, column in zip(parts, block, strict=False):
+            _fill(column, part, raws[part.name])
         if valid:
-            block[: len(parts), ~eval(valid, found)] = np.nan
-        for (name, signal), column in zip(derived, block[len(parts) :], strict=True):
-            column[:] = eval(signal.code, FUNCTIONS | CONSTANTS | values)
-            values[name] = column
+            block[: len(parts), ~eval(valid, {part.name: raws[part.name] for part in parts})] = np.nan
+        values = {part.name: column for part, column in zip(parts, block, strict=False)}
+        for name, signal, place in derived:
+            values[name] = block[place]
+            block[place] = eval(signal.code, FUNCTIONS | CONSTANTS | values)
 
     return convert
 
 
-def _mark(column: Column, part: "Part", raw: Column) -> None:
-    """Put in what special raw values mean, and what is not available."""
+def _fill(column: Column, part: "Part", raw: npt.NDArray[Any]) -> None:
+    """The same sums in the same order as the formula's expression."""
+    match part.formula:
+        case Linear(factor, offset):
+            np.multiply(raw, factor, out=column, dtype=np.float64)
+            if offset:
+                column += offset
+        case Reciprocal(numerator):
+            np.divide(numerator, raw, out=column, dtype=np.float64)
     for special, value in part.signal.special:
-        column[raw == special] = np.nan if value is None else value
+        _put(column, raw == special, np.nan if value is None else value)
     if part.signal.real:
-        column[~np.isfinite(raw)] = np.nan
+        _put(column, ~np.isfinite(raw), np.nan)
+
+
+def _put(column: Column, where: npt.NDArray[np.bool_], value: float) -> None:
+    if where.any():
+        column[where] = value

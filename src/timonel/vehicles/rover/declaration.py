@@ -36,13 +36,13 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "atan2": math.atan2,
     "sqrt": math.sqrt,
 }
-CONSTANTS = {"tau": math.tau}
+CONSTANTS = {"pi": math.pi}
 
 
 class Derived:
     """A signal that is not on the wire: `formula` is a Python expression of the frame's other signals, in SI.
 
-    None where one of them is not available. It may use `atan2`, `sqrt` and `tau`.
+    None where one of them is not available. It may use `atan2`, `sqrt` and `pi`.
     """
 
     def __init__(self, unit: str, formula: str, about: str = "") -> None:

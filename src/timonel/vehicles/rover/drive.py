@@ -55,6 +55,8 @@ class Stop(Enum):
     ORDERED = "a station ordered a stop"
     TRANSFERRED = "command passed"
     SILENT = "the commander fell silent"
+    ROVER_SILENT = "the rover fell silent"
+    UNPLUGGED = "the link of the commander was unplugged"
 
 
 class Stick(msgspec.Struct, frozen=True, gc=False):
@@ -152,9 +154,12 @@ class Drive:
 
     def wheels(self, now: float) -> Wheels:
         """The set points as they should be at `now`."""
-        if self.permitted and now < self._stick_heard + STALE and now < self._heard + SILENT:
-            return mixed(self._stick, self.speed_limit)
-        return STANDSTILL
+        return mixed(self.obeyed(now), self.speed_limit)
+
+    def obeyed(self, now: float) -> Stick:
+        """The stick as far as it is obeyed at `now`: at rest without permission, or when it is too old."""
+        fresh = now < self._stick_heard + STALE and now < self._heard + SILENT
+        return self._stick if self.permitted and fresh else AT_REST
 
     @property
     def deadline(self) -> float:

@@ -170,7 +170,7 @@ class Magnetometer(RoverFrame, frame=112, to=Party.OPERATOR, sender="controller"
     x: Annotated[float | None, MagneticField()]
     y: Annotated[float | None, MagneticField()]
     z: Annotated[float | None, MagneticField()]
-    magnetic_heading = Derived("rad", "atan2(y, x) % tau", "of a level rover, clockwise from magnetic north")
+    magnetic_heading = Derived("rad", "atan2(-y, -x) + pi", "of a level rover, clockwise from magnetic north")
     strength = Derived("T", "sqrt(x * x + y * y + z * z)", "about 50e-6 on Earth; far from it there is iron nearby")
 
 

@@ -37,10 +37,10 @@ RAMP = 15.0  # rad/s^2, how fast an order may grow; it falls at once
 
 TORQUE_CONSTANT = 1.2  # N m/A, behind the gear
 IDLE_CURRENT = 0.4  # A, of a motor that turns nothing
-MOTOR_RESISTANCE = 0.4  # ohm
+MOTOR_RESISTANCE = 0.6  # ohm
 CURRENT_LIMIT = 20.0  # A, of one motor
 POWER_LIMIT = 150.0  # W, of one motor
-MOTOR_HEAT = 120.0  # J/K
+MOTOR_HEAT = 100.0  # J/K
 MOTOR_COOLING = 4.0  # K/W
 HOT = 118.0  # degC, what a motor with a seized bearing comes to, in some minutes
 HEATING = 20.0  # s
@@ -59,16 +59,14 @@ AIR = 20.0  # degC
 class Wheel(msgspec.Struct):
     """One wheel with its gear, motor and speed controller.
 
-    `order` and `speed` in rad/s, `torque` in N m, `current` in A as the motor takes it: positive when it drives in
-    either direction, negative when it brakes. `temperature` in degC. Without `powered` it rolls freely; when `stalled`
-    it does not turn at all; when `hot` its bearing seizes.
+    `order` and `speed` in rad/s, `torque` in N m, `temperature` in degC. Without `powered` it rolls freely; when
+    `stalled` it does not turn at all; when `hot` its bearing seizes.
     """
 
     temperature: float
     order: float = 0.0
     speed: float = 0.0
     torque: float = 0.0
-    current: float = 0.0
     powered: bool = True
     stalled: bool = False
     hot: bool = False
@@ -89,14 +87,12 @@ class Wheel(msgspec.Struct):
     def push(self, ground: float, current_limit: float, power_limit: float, dt: float) -> float:
         """The force on the body in N, while the ground passes at `ground` m/s."""
         if not self.powered:
-            self.torque = self.reset = self.current = 0.0
+            self.torque = self.reset = 0.0
             self.speed = 0.0 if self.stalled else ground / RADIUS
             return self._drag(ground) if self.stalled else 0.0
         current_limit = max(0.0, current_limit - IDLE_CURRENT)
         limit = min(current_limit * TORQUE_CONSTANT, power_limit / max(abs(self.speed), 0.5))
-        force = self._stall(ground, limit, dt) if self.stalled else self._roll(ground, limit, dt)
-        self._draw()
-        return force
+        return self._stall(ground, limit, dt) if self.stalled else self._roll(ground, limit, dt)
 
     def _roll(self, ground: float, limit: float, dt: float) -> float:
         """Controller and tyre balance: gain (order - speed) + reset = stiffness radius (radius speed - ground)."""
@@ -122,11 +118,16 @@ class Wheel(msgspec.Struct):
     def _drag(self, ground: float) -> float:
         return -GRIP * _clamp(ground / 0.02, 1.0)
 
-    def _draw(self) -> None:
-        """A motor that turns, or tries to, takes a little for itself."""
-        forward = 1.0 if (self.speed or self.order) >= 0 else -1.0
-        idle = 0.0 if self.at_rest else IDLE_CURRENT
-        self.current = forward * self.torque / TORQUE_CONSTANT + idle
+    @property
+    def current(self) -> float:
+        """In A as the motor takes it: positive when it drives in either direction, negative when it brakes.
+
+        A motor that turns, or tries to, takes a little for itself.
+        """
+        if self.at_rest or not self.powered:
+            return 0.0
+        backward = (self.speed or self.order) < 0
+        return (-self.torque if backward else self.torque) / TORQUE_CONSTANT + IDLE_CURRENT
 
     @property
     def rpm(self) -> float:
@@ -135,15 +136,15 @@ class Wheel(msgspec.Struct):
     @property
     def power(self) -> float:
         """What it takes from the battery, in W. What it gives in braking becomes heat."""
-        work = abs(self.speed) * TORQUE_CONSTANT * self.current
-        return max(0.0, work + MOTOR_RESISTANCE * self.current * self.current)
+        current = self.current
+        return max(0.0, (abs(self.speed) * TORQUE_CONSTANT + MOTOR_RESISTANCE * current) * current)
 
     def warm(self, dt: float) -> None:
         """Heat from the current, cooling by the air."""
         if self.hot:
             self.temperature += (HOT - self.temperature) * dt / HEATING
             return
-        heat = MOTOR_RESISTANCE * self.current * self.current - (self.temperature - AIR) / MOTOR_COOLING
+        heat = MOTOR_RESISTANCE * self.current**2 - (self.temperature - AIR) / MOTOR_COOLING
         self.temperature += heat * dt / MOTOR_HEAT
 
 
@@ -236,4 +237,6 @@ def _rubbed(value: float, friction: float) -> float:
 
 
 def _clamp(value: float, limit: float) -> float:
-    return max(-limit, min(limit, value))
+    if value > limit:
+        return limit
+    return -limit if value < -limit else value

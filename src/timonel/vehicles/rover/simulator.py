@@ -147,7 +147,7 @@ class MotorBoard:
         force, powered = 0.0, self.powered
         for wheel, setpoint in zip(self.wheels, self.setpoints, strict=True):
             wheel.powered = powered
-            wheel.follow(setpoint * FULL_TURN / 100, TICK)
+            wheel.follow(setpoint * FULL_TURN / 100 if powered else 0.0, TICK)
             force += wheel.push(ground, current_limit, power_limit, TICK)
         return force
 
