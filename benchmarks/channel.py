@@ -140,9 +140,7 @@ def joins(every: int) -> Damage:
 
     def damage(data: bytes, random: Random) -> list[Session]:
         cuts = sorted(random.sample(range(1, len(data)), len(data) // every))
-        return [
-            _kept(data, list(range(start, end))) for start, end in zip([0, *cuts], [*cuts, len(data)], strict=True)
-        ]
+        return [_kept(data, list(range(start, end))) for start, end in zip([0, *cuts], [*cuts, len(data)], strict=True)]
 
     return damage
 

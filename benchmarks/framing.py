@@ -115,15 +115,15 @@ def study(sent: Traffic, parser: Parser, damage: Damage, seed: int = SEED) -> Sc
     return score
 
 
-def _judge(
-    score: Score, session: Session, sent: Traffic, wire: Wire, where: dict[int, int], parser: Parser
-) -> None:
+def _judge(score: Score, session: Session, sent: Traffic, wire: Wire, where: dict[int, int], parser: Parser) -> None:
     place = 0
     for frame in parser.parse(session, wire):
         written = parser.write(*frame)
         place = session.data.index(written, place)
         original = where.get(session.origins[place])
-        if original is None or not _together(session, place, wire.starts[original + 1] - wire.starts[original], written):
+        if original is None or not _together(
+            session, place, wire.starts[original + 1] - wire.starts[original], written
+        ):
             score.false += 1
         elif sent.frames[original] == frame:
             score.received += 1

@@ -13,7 +13,9 @@ def table(rows: Mapping[str, Mapping[str, float]], columns: Columns) -> str:
         cells.append([name, *(format(row[key], how) if key in row else "" for key, how in columns.values())])
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     lines = [_line(line, widths) for line in cells]
-    lines.insert(1, "|" + "|".join("-" * (width + 1) + (":" if place else "-") for place, width in enumerate(widths)) + "|")
+    lines.insert(
+        1, "|" + "|".join("-" * (width + 1) + (":" if place else "-") for place, width in enumerate(widths)) + "|"
+    )
     return "\n".join(lines) + "\n"
 
 

@@ -52,7 +52,9 @@ def messages(number: int) -> list[Message]:
 def cycle() -> list[Frame]:
     """All frames once; the bus repeats them."""
     return [
-        Frame(join(2, message.PGN, SOURCE), message.encode()) for number in range(ROUNDS) for message in messages(number)
+        Frame(join(2, message.PGN, SOURCE), message.encode())
+        for number in range(ROUNDS)
+        for message in messages(number)
     ]
 
 

@@ -39,27 +39,34 @@ void strzyga_start(strzyga_decoder *decoder, const uint8_t *lengths, strzyga_sin
     decoder->context = context;
 }
 
-static int known(const strzyga_decoder *decoder)
-{
-    return decoder->count > 1 && decoder->lengths[decoder->held[1]] <= STRZYGA_MOST_DATA;
-}
-
 static void discard(strzyga_decoder *decoder, size_t count)
 {
     decoder->count -= count;
     memmove(decoder->held, decoder->held + count, decoder->count);
 }
 
-/* The '#' at the beginning begins no frame: go on from the next one. */
-static void skip(strzyga_decoder *decoder)
+static void skip(strzyga_decoder *decoder, size_t count)
 {
-    size_t next = 1;
-    while (next < decoder->count && decoder->held[next] != START)
-        next++;
-    decoder->rejected += (uint32_t)known(decoder);
-    decoder->skipped += (uint32_t)next;
+    decoder->skipped += (uint32_t)count;
     decoder->adrift = 1;
-    discard(decoder, next);
+    discard(decoder, count);
+}
+
+static void find_start(strzyga_decoder *decoder)
+{
+    size_t count = 0;
+    while (count < decoder->count && decoder->held[count] != START)
+        count++;
+    if (count > 0)
+        skip(decoder, count);
+}
+
+/* The '#' at the beginning begins no frame: the search goes on behind it. */
+static void reject(strzyga_decoder *decoder)
+{
+    if (decoder->count > 1 && decoder->lengths[decoder->held[1]] <= STRZYGA_MOST_DATA)
+        decoder->rejected++;
+    skip(decoder, 1);
 }
 
 static void emit(strzyga_decoder *decoder, uint8_t length)
@@ -71,33 +78,29 @@ static void emit(strzyga_decoder *decoder, uint8_t length)
     discard(decoder, (size_t)length + STRZYGA_OVERHEAD);
 }
 
-/* Decides about the '#' at the beginning; 0 if that takes more bytes. */
+/* Decides about the first '#' that is held; 0 if that takes more bytes. */
 static int decide(strzyga_decoder *decoder)
 {
     uint8_t length;
+    find_start(decoder);
     if (decoder->count < 2)
         return 0;
-    if (decoder->held[0] != START || !known(decoder)) {
-        skip(decoder);
+    length = decoder->lengths[decoder->held[1]];
+    if (length > STRZYGA_MOST_DATA) {
+        reject(decoder);
         return 1;
     }
-    length = decoder->lengths[decoder->held[1]];
     if (decoder->count < (size_t)length + STRZYGA_OVERHEAD)
         return 0;
     if (crc16(decoder->held + 1, (size_t)length + 3) == 0) /* over id, data and CRC together */
         emit(decoder, length);
     else
-        skip(decoder);
+        reject(decoder);
     return 1;
 }
 
 void strzyga_receive(strzyga_decoder *decoder, uint8_t byte)
 {
-    if (decoder->count == 0 && byte != START) {
-        decoder->skipped++;
-        decoder->adrift = 1;
-        return;
-    }
     decoder->held[decoder->count++] = byte;
     while (decide(decoder)) {
     }
@@ -106,7 +109,7 @@ void strzyga_receive(strzyga_decoder *decoder, uint8_t byte)
 void strzyga_silence(strzyga_decoder *decoder)
 {
     while (decoder->count > 0) {
-        skip(decoder);
+        reject(decoder);
         while (decide(decoder)) {
         }
     }

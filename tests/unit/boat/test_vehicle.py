@@ -138,6 +138,15 @@ def test_a_pilot_that_tells_a_mode_nobody_understands_leaves_the_field_empty():
     assert parp_lines(afloat.bus(report, PILOT)) == ["PARP,STATUS,,,090.0,,00"]
 
 
+def test_a_compass_that_still_speaks_does_not_keep_another_ones_heading_alive():
+    afloat = Afloat(90.0)
+    for tenth in range(1, 40):
+        afloat.now = tenth / 10
+        afloat.bus(heading(80.0, HeadingReference.MAGNETIC), source=11)
+    assert afloat.boat.helm.pilot.heading(2.9) is not None
+    assert afloat.boat.helm.pilot.heading(3.0) is None
+
+
 # STATUS ---------------------------------------------------------------------------------------------
 
 

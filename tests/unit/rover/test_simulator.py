@@ -210,13 +210,23 @@ def test_a_stop_on_the_bus_stops_and_a_permission_alone_moves_nothing():
     rover = SimulatedRover()
     drive(rover, 60, 60, 2)
     rover.receive(frame(DriveEnable(code=DriveCode.STOP)))
+    assert rover.setpoints == ((0, 0, 0), (0, 0, 0))
     drive(rover, 60, 60, 1)
     assert rover.body.speed == 0
+    assert rover.rejected == {102: 50, 103: 50}
     rover.receive(frame(DriveEnable(code=DriveCode.PERMIT)))
     rover.step(1.0)
     assert rover.body.speed == 0
     drive(rover, 60, 60, 1)
     assert rover.body.speed > 0.4
+
+
+def test_standing_still_needs_no_permission():
+    rover = SimulatedRover()
+    rover.receive(frame(DriveEnable(code=DriveCode.STOP)))
+    order(rover, 0, 0)
+    assert rover.accepted == {(102, (0, 0, 0)): 1, (103, (0, 0, 0)): 1}
+    assert not rover.rejected
 
 
 @pytest.mark.parametrize("code", [0x30, 0x01, 0xCE, 0x00, 0x33])

@@ -166,10 +166,13 @@ class Boat:
             return [*said, *self._hear_device(message, source, now)]
         return said
 
-    def _heading_heard(self, now: float) -> list[Event]:
-        true = self._reference is HeadingReference.TRUE
-        heading = self.truth.true_heading(now) if true else self.truth.magnetic_heading(now)
-        return [] if heading is None else self.helm.pilot.heading_heard(degrees(heading), now)
+    def _heading_heard(self, message: VesselHeading, now: float) -> list[Event]:
+        """A heading is new only if it comes from the compass that was just heard."""
+        datum = self.truth.true if self._reference is HeadingReference.TRUE else self.truth.magnetic
+        heading = datum.value
+        if heading is None or heading.message is not message:
+            return []
+        return self.helm.pilot.heading_heard(degrees(heading.angle), now)
 
     def _hear_device(self, message: Message, source: int, now: float) -> list[Effect]:
         if isinstance(message, IsoAddressClaim):

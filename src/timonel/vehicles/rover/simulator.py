@@ -5,7 +5,8 @@ frames of others. The same seed and the same calls give the same bytes. How it m
 
     frame      what the modules do with it
     101        '1' lets the boards run, anything else stops them; boards that never heard one run by their set points
-    102 103    the right and the left board follow it; a set point beyond +-100 is counted and not followed
+    102 103    the right and the left board follow it; what is beyond +-100, or not zero while they are stopped, is
+               counted and not followed
     115        power limit of every motor, in twentieths
     119        nothing: the controller's mixer has heeded it
     120        current limit of every motor, in two-hundredths
@@ -202,8 +203,8 @@ class SimulatedRover:
     board stops when no set point came for so long; None: it follows the last one for ever.
 
     `body`, `battery`, `left` and `right` are the truth, read and changed at will. `accepted` counts the set points that
-    the boards took over, by the identifier of their frame and by value, `rejected` the frames that made no sense to
-    them, by identifier.
+    the boards took over, by the identifier of their frame and by value, `rejected` the frames that they did not, by
+    identifier.
     """
 
     def __init__(
@@ -298,13 +299,13 @@ class SimulatedRover:
                 self.rejected[frame.identifier] += 1
 
     def _order(self, board: MotorBoard, identifier: int, setpoints: Setpoints) -> None:
-        if not board.connected or not board.permitted:
+        if not board.connected:
             return
-        if min(setpoints) < -100 or max(setpoints) > 100:
+        if -100 <= min(setpoints) <= max(setpoints) <= 100 and (board.permitted or setpoints == STANDSTILL):
+            board.order(setpoints, self.time)
+            self.accepted[identifier, setpoints] += 1
+        else:
             self.rejected[identifier] += 1
-            return
-        board.order(setpoints, self.time)
-        self.accepted[identifier, setpoints] += 1
 
     def _permit(self, permitted: bool) -> None:
         for board in (self.right, self.left):

@@ -7,8 +7,10 @@ time                     the ladder of stops, repetition at 50 Hz               
 
 In the role `operator` the far end of the link is a real controller that does the mixing itself: what comes out then is
 100 and 101, and never 102 or 103; the permission is said three times and not for ever, so that the far end's own stop
-lasts; and a rover that falls silent for 500 ms is stopped as a lost commander is. Where one frame goes is declared with the frame; no frame goes out more often than 50
-times a second, and on a link that cannot keep up the newest of each takes the place of an older one.
+lasts; and a rover that falls silent for 500 ms is stopped as a lost commander is.
+
+Where a frame goes is declared with the frame. No frame goes out more often than 50 times a second, and on a link that
+cannot keep up the newest of each takes the place of an older one.
 """
 
 from collections import Counter
