@@ -117,12 +117,20 @@ def _wanted(wanted: inspect.Type) -> str:
     match wanted:
         case inspect.BoolType():
             return "true or false"
+        case inspect.IntType(ge=None, le=None):
+            return "a whole number"
         case inspect.IntType(ge=ge, le=le):
             return f"a whole number {ge}..{le}"
+        case inspect.FloatType(gt=None, ge=None, le=None):
+            return "a number"
+        case inspect.FloatType(gt=gt, ge=None, le=None):
+            return f"a number above {gt}"
         case inspect.FloatType(gt=None, ge=ge, le=le):
             return f"a number {ge}..{le}"
         case inspect.FloatType(gt=gt, le=le):
             return f"a number above {gt}, at most {le}"
+        case inspect.TupleType(item_types=items):
+            return f"a list of {len(items)}, each {_wanted(items[0])}"
         case inspect.UnionType(types=types):
             return " or ".join(map(_wanted, types))
         case inspect.LiteralType(values=values):

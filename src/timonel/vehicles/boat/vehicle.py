@@ -160,7 +160,7 @@ class Boat:
         if kind not in HEAR:
             return self._hear_device(message, source, now)
         said, taken = self._converter.receive(message, source, now)
-        if kind is VesselHeading and taken and (events := self._heading_heard(now)):
+        if isinstance(message, VesselHeading) and taken and (events := self._heading_heard(message, now)):
             return [*said, *self._tell(events, now)]
         if kind is HeadingTrackControl:
             return [*said, *self._hear_device(message, source, now)]

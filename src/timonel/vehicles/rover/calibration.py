@@ -8,9 +8,12 @@ voltage [V]     = raw * adc_volts / adc_counts * (r1 + r2) / r1
 `DOCUMENTED` is the protocol's original text to the letter; `PHYSICAL` mends what it leaves out.
 """
 
-from typing import Annotated
+from collections.abc import Callable, Mapping
+from typing import Annotated, Literal, get_type_hints
 
 import msgspec
+
+from timonel.core.mistakes import convert, did_you_mean
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Counts = Annotated[float, msgspec.Meta(ge=-32768, le=32767)]
@@ -58,3 +61,22 @@ DOCUMENTED = Calibration(
     current_zero_right=(0, 0, 0), current_zero_left=(0, 0, 0), current_zero_arm=0, encoder_pulses=1
 )
 CALIBRATIONS = {"documented": DOCUMENTED, "physical": PHYSICAL}
+
+
+def calibrated(table: Mapping[str, object], wrong: Callable[[str, str], None]) -> Calibration:
+    """A configuration's table `[calibration]`: `base` (documented or physical, the default) and constants of its own.
+
+    What is wrong is told to `wrong` as key and text, and left out.
+    """
+    keys = get_type_hints(Calibration, include_extras=True)
+    values = {}
+    for key, value in table.items():
+        wanted = Literal["documented", "physical"] if key == "base" else keys.get(key)
+        if wanted is None:
+            wrong(f"calibration.{key}", f"unknown key{did_you_mean(key, ['base', *keys])}")
+            continue
+        try:
+            values[key] = convert(value, wanted)
+        except ValueError as fault:
+            wrong(f"calibration.{key}", str(fault))
+    return msgspec.structs.replace(CALIBRATIONS[values.pop("base", "physical")], **values)

@@ -15,27 +15,25 @@ import keyword
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Iterator
-from typing import Annotated, Any, Literal, TypeVar
+from enum import EnumType
+from typing import Annotated, Any, Literal
 
 from msgspec import Meta
 
 from timonel.core.fields import Code
 from timonel.core.mistakes import Mistakes, convert, did_you_mean, syntax_error, written
-from timonel.errors import ConfigError
-from timonel.vehicles.rover.conversions import KINDS, Linear, Signal, signal
+from timonel.vehicles.rover.conversions import Linear, Signal, signal
 from timonel.vehicles.rover.declaration import FrameMeta, Party, RoverFrame
 from timonel.vehicles.rover.frames import FRAMES
 from timonel.vehicles.rover.segments import LONGEST, SINGLE
 
 Table = dict[str, Any]
 Wrong = Callable[[str, str], None]
-T = TypeVar("T")
 
 FREE = {"the platform's own": range(121, 160), "the manipulator": range(160, 200), "the laboratory": range(200, 240)}
 HIGHEST_RATE = 50  # Hz, of any frame on the bus
 CLASS_NAME = re.compile(r"[A-Z][A-Za-z0-9]*")
 FIELD_NAME = re.compile(r"[a-z][a-z0-9_]*")
-TYPES = tuple(KINDS)
 FRAME_KEYS: Table = {
     "id": int,
     "name": str,
@@ -155,24 +153,25 @@ def _field(place: str, table: Table, wrong: Wrong) -> tuple[str, Signal]:
         conversion=lambda constants: formula,
         special=_special(place, table.get("special"), plain, wrong),
         limits=_limits(place, values, formula, plain, wrong),
-        codes=Code(_class_name(name), labels) if labels else None,
+        codes=_codes(name, labels) if labels else None,
         about=values.get("doc", ""),
     )
 
 
 def _limits(place: str, values: Table, formula: Linear, plain: Signal, wrong: Wrong) -> tuple[float, float] | None:
     """`min` and `max` as raw values."""
-    if "min" not in values and "max" not in values:
+    if not {"min", "max"} & values.keys():
         return None
-    ends = dict(zip(("min", "max"), plain.range if formula.factor > 0 else plain.range[::-1], strict=True))
-    for key in ends.keys() & values.keys():
-        raw = (values[key] - formula.offset) / formula.factor
-        ends[key] = raw if plain.real else round(raw)
-        if not plain.range[0] <= ends[key] <= plain.range[1]:
-            wrong(f"{place}.{key}", f"{values[key]:g} does not fit the field's type")
-    lowest, highest = sorted(ends.values())
-    if values.get("min", lowest) > values.get("max", highest) and "min" in values and "max" in values:
-        wrong(f"{place}.max", f"{values['max']:g} is below min")
+    names = ("min", "max") if formula.factor > 0 else ("max", "min")
+    raws = []
+    for name, bound in zip(names, plain.range, strict=True):
+        exact = (values[name] - formula.offset) / formula.factor if name in values else bound
+        raws.append(exact if plain.real else round(exact))
+        if not plain.range[0] <= exact <= plain.range[1]:
+            wrong(f"{place}.{name}", f"{values[name]:g} does not fit the field's type")
+    lowest, highest = raws
+    if lowest > highest:
+        wrong(f"{place}.max", "should be above min")
     return lowest, highest
 
 
@@ -259,5 +258,7 @@ def _name(name: str, pattern: re.Pattern[str], wanted: str, place: str, wrong: W
     return "Frame" if pattern is CLASS_NAME else "field"
 
 
-def _class_name(field: str) -> str:
-    return "".join(part.capitalize() for part in field.split("_"))
+def _codes(field: str, labels: dict[str, int]) -> type[Code]:
+    made = EnumType.__call__(Code, "".join(part.capitalize() for part in field.split("_")), labels)
+    assert issubclass(made, Code)
+    return made
