@@ -2,14 +2,15 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+VCAN ?= ../shared/tools/vcan_qemu.sh# runs a command where there is a vcan0
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
 .PHONY: help demo test test-all lint mutation docs bench lock clean
 help:
 	@echo "make demo      a simulated boat, the gateway, and what to connect to it"
-	@echo "make test      every check that CI runs"
+	@echo "make test      every check that a change must pass"
 	@echo "make test-all  those, and the slow ones (a real SocketCAN bus in a virtual machine, a million mutations)"
-	@echo "make mutation  break the safety machines on purpose and see the tests notice"
+	@echo "make mutation  break the safety machines on purpose and see the tests notice (CI runs it too)"
 	@echo "make bench     the tables of docs/performance.md"
 	@echo "make docs      the reference pages that are made from the declarations"
 	@echo "make lock      resolve the pinned versions anew"
@@ -20,11 +21,11 @@ demo: $(VENV)/run
 test: $(VENV)/dev lint
 	scripts/debian.sh gpsd gpsd-clients
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow"
-	$(BIN)/python -m tests.mutation
 
-test-all: test
+test-all: test mutation
 	scripts/debian.sh qemu-system-x86 busybox-static cpio kmod
-	$(BIN)/python -m pytest -m slow --timeout 1800
+	$(BIN)/python -m pytest -m slow --timeout 1800 --ignore tests/slow
+	$(VCAN) -- $(BIN)/python -m pytest tests/slow --timeout 600
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check

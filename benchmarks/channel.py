@@ -18,7 +18,7 @@ TICK = 0.02
 """s between two bursts of frames: the rover sends at 50 Hz what is due."""
 
 EVERY = {111: 1, 112: 1, 104: 2, 105: 2, 106: 3, 107: 3, 108: 10, 110: 10}
-"""Ticks between two frames of an id, 50 for all others: 198 frames and 1.9 kB a second."""
+"""Ticks between two frames of an id, 50 for all others: some 200 frames and 1.9 kB a second."""
 
 
 class Traffic(msgspec.Struct, frozen=True):
@@ -58,7 +58,8 @@ Payload = Callable[[int, Random], bytes]
 
 def traffic(count: int, payload: Payload, random: Random) -> Traffic:
     """`count` frames in their usual mix."""
-    frames, ticks = [], []
+    frames: list[Frame] = []
+    ticks: list[int] = []
     tick = 0
     while len(frames) < count:
         due = [number for number in LENGTHS if (tick + number) % EVERY.get(number, 50) == 0]

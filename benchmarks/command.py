@@ -1,13 +1,13 @@
 """What a station's key costs inside the machine: from its `$PARP` line to the frames for the pilot."""
 
 import time
+from multiprocessing.connection import Connection
 from statistics import median
 
 from benchmarks.processes import PROGRAM, Helper, ending
 from benchmarks.traffic import USUAL, cycle, settings
-from multiprocessing.connection import Connection
-
 from timonel.core.effects import Transmit
+from timonel.core.frame import Frame
 from timonel.nmea0183 import parp
 from timonel.vehicles.boat.settings import Port
 from timonel.vehicles.boat.vehicle import Boat
@@ -34,7 +34,7 @@ def _measure(pipe: Connection) -> None:
     pipe.send({"p50": median(times), "p99": times[int(0.99 * len(times))]})
 
 
-def _one(boat: Boat, line: bytes, heading: object, now: float) -> float:
+def _one(boat: Boat, line: bytes, heading: Frame, now: float) -> float:
     boat.receive_frames([heading], now)
     boat.expire(now)
     begun = time.perf_counter_ns()

@@ -1,6 +1,7 @@
 """The gateway as `timonel run` makes it, on a pair of sockets in place of the CAN interface."""
 
 import asyncio
+import logging
 import socket
 from collections.abc import Mapping
 from multiprocessing.connection import Connection
@@ -53,6 +54,7 @@ async def _run(pipe: Connection, bus: int, directory: str, setup: Setup) -> None
 
 def make(bus: BusLink, boat_settings: BoatSettings, directory: str, setup: Setup) -> tuple[Gateway, TcpListenLink]:
     """The gateway on the running loop, and its port for listeners. Terminals are numbered in `directory`."""
+    logging.disable()
     ports = [Port(f"Station {number}", number) for number in range(1, 1 + setup.terminals)]
     terminals = [PtyLink(f"{directory}/{port.station}", name=port.name) for port in ports]
     listeners = TcpListenLink(HERE, ANY_PORT, name="Listeners")

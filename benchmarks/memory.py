@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -77,8 +78,6 @@ async def _step(boat: SimulatedBoat, bus: LoopLink, seconds: float) -> None:
 
 
 def main() -> None:
-    import os
-
     os.sched_setaffinity(0, {PROGRAM})
     with tempfile.TemporaryDirectory() as directory, asyncio.Runner(loop_factory=HurriedLoop) as runner:
         print(json.dumps(runner.run(_sail(directory))))

@@ -212,7 +212,7 @@ def _count(pipe: Connection, outputs: list[int]) -> Heard:
 
 def _stamp(pipe: Connection, outputs: list[int], commander: "Commander | None") -> list[tuple[int, int, bytes]]:
     """When each piece came from which output, until the next order."""
-    reads = []
+    reads: list[tuple[int, int, bytes]] = []
     poll = _epoll(pipe.fileno(), *outputs, *([commander.bus.fileno()] if commander else []))
     while True:
         for fd, _ in poll.poll(commander.wait() if commander else None):

@@ -13,9 +13,8 @@ def table(rows: Mapping[str, Mapping[str, float]], columns: Columns) -> str:
         cells.append([name, *(format(row[key], how) if key in row else "" for key, how in columns.values())])
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     lines = [_line(line, widths) for line in cells]
-    lines.insert(
-        1, "|" + "|".join("-" * (width + 1) + (":" if place else "-") for place, width in enumerate(widths)) + "|"
-    )
+    rule = "|" + "-" * (widths[0] + 2) + "|" + "".join("-" * (width + 1) + ":|" for width in widths[1:])
+    lines.insert(1, rule)
     return "\n".join(lines) + "\n"
 
 

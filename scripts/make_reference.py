@@ -1,10 +1,12 @@
-"""Writes the pages that follow from declarations: docs/pgns.md and docs/conversion.md."""
+"""Writes the pages that follow from declarations: docs/pgns.md, docs/conversion.md and docs/rover_frames.md."""
 
 from pathlib import Path
 
 from timonel.core.reference import section
 from timonel.nmea2000.registry import variants
 from timonel.vehicles.boat.conversion import CONVERSIONS, Conversion
+from timonel.vehicles.rover import reference
+from timonel.vehicles.rover.protocol import Protocol
 
 DOCS = Path(__file__).parents[1] / "docs"
 PGNS = """# PGNs
@@ -42,6 +44,15 @@ configuration sets other rates, 0 is never. A source that jitters about the rate
 | sentence | talker | at most | brought about by |
 |---|---|---|---|
 """
+ROVER = """# Frames of the rover
+
+Written by `scripts/make_reference.py` from the declarations in `timonel.vehicles.rover.frames`; do not edit.
+
+The identifier is the same on UART and CAN, numbers are little-endian. `to` says whom a frame is for: the controller
+(`rover`), the motor drivers on the CAN bus, or everybody who listens (`operator`). Formulas are those of the
+calibration `physical`. `sent` are the limits of what we send; what is outside is read as it is. Rates, signs and axes
+that the original leaves open are our choice. Frames of one's own: `own_frames.md`.
+"""
 
 
 def pgns() -> str:
@@ -57,7 +68,11 @@ def _row(line: Conversion) -> str:
     return f"| {line.key} | {line.talker} | {line.rate:g} Hz | {messages} |\n"
 
 
-PAGES = {"pgns.md": pgns, "conversion.md": conversion}
+def rover_frames() -> str:
+    return f"{ROVER}\n{reference.page(Protocol())}\n{reference.constants()}"
+
+
+PAGES = {"pgns.md": pgns, "conversion.md": conversion, "rover_frames.md": rover_frames}
 
 if __name__ == "__main__":
     for name, page in PAGES.items():

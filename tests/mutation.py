@@ -30,6 +30,8 @@ TESTS = {
         "tests/conformance/test_boat_vectors.py",
         "tests/property/test_exploration.py",
     ),
+    "timonel.vehicles.rover.drive": ("tests/unit/rover/test_drive.py", "tests/property/test_rover_exploration.py"),
+    "timonel.vehicles.rover.helm": ("tests/unit/rover/test_helm.py", "tests/property/test_rover_exploration.py"),
 }
 PATIENCE = 120  # s for the tests of one mutant; a mutant that hangs is noticed
 
@@ -196,7 +198,7 @@ def prepare() -> None:
         assert target not in sys.modules, f"{target} is imported already, so a mutant of it would not be seen"
 
 
-DEPENDENTS = ("timonel.vehicles.boat.vehicle", "tests.property.exploration")
+DEPENDENTS = ("timonel.vehicles.boat.vehicle", "timonel.vehicles.rover.vehicle", "tests.property.exploration")
 
 
 def main(wanted: str = "") -> int:

@@ -5,6 +5,7 @@ with the bus behind it. `Bench` puts them together: a gateway with four stations
 """
 
 import asyncio
+import ctypes
 import json
 import os
 import signal
@@ -46,6 +47,11 @@ async def until(condition: Callable[[], object], what: str, within: float = 10.0
     return time.monotonic() - began
 
 
+def _die_with_parent() -> None:
+    """A test run that is killed must leave no gateway behind (prctl(2), PR_SET_PDEATHSIG)."""
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)
+
+
 class Program:
     """`timonel ARGUMENTS`; what it logs goes to `log_path`, what it prints to `output_path`."""
 
@@ -60,7 +66,12 @@ class Program:
         self._before = len(self.log("running"))
         with self.log_path.open("ab") as log, self.output_path.open("ab") as output:
             self.process = subprocess.Popen(
-                [*TIMONEL, *self.arguments], stdin=subprocess.DEVNULL, stdout=output, stderr=log, env=ENVIRONMENT
+                [*TIMONEL, *self.arguments],
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=log,
+                env=ENVIRONMENT,
+                preexec_fn=_die_with_parent,
             )
 
     async def running(self) -> None:

@@ -1,6 +1,6 @@
 """Frames (`struct can_frame`) on standard input, one sentence each on standard output: PyPI nmea2000 and pynmea2.
 
-`EBYTE` is the format of nmea2000 that is nearest to a frame, and faster than its text formats.
+`EBYTE` is the format of nmea2000 that is nearest to a frame.
 """
 
 import logging

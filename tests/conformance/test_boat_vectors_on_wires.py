@@ -4,6 +4,7 @@ Every transcript has a program of its own and all are played at once, so that it
 """
 
 import asyncio
+from contextlib import AsyncExitStack
 from itertools import pairwise
 from pathlib import Path
 
@@ -20,8 +21,12 @@ TRANSCRIPTS: dict[str, list[Step]] = {SESSION: steps(vectors("boat_session.jsonl
     case["name"]: case["steps"] for case in cases(vectors("boat_command_cases.jsonl"))
 }
 WIRE = 0.15  # s that the wires, the program and a busy computer may add
+TRIES = 3
 QUIET = 0.06  # s after STATUS: nothing is under way on any port
+AT_ONCE = 3  # programs that start, so that other tests on the same computer get their turn
 KINDS: dict[int, Kind] = {1: "serial", 2: "serial", 3: "pty", 4: "pty"}
+
+pytestmark = pytest.mark.timeout(240)
 
 
 class Played(msgspec.Struct):
@@ -33,21 +38,42 @@ class Played(msgspec.Struct):
 
 @pytest.fixture(scope="module")
 def played(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Played]:
-    async def play_all() -> dict[str, Played]:
-        ready = asyncio.Barrier(len(TRANSCRIPTS))
-        async with asyncio.TaskGroup() as group:
-            playing = {
-                name: group.create_task(play(transcript, tmp_path_factory.mktemp("boat"), ready))
-                for name, transcript in TRANSCRIPTS.items()
-            }
-        return {name: task.result() for name, task in playing.items()}
-
-    return asyncio.run(play_all())
+    """All transcripts; what did not hold is played again, for a busy computer may be late."""
+    results: dict[str, Played] = {}
+    for _ in range(TRIES):
+        names = [name for name in TRANSCRIPTS if name not in results or not holds(name, results[name])]
+        if not names:
+            break
+        results |= asyncio.run(play_all({name: tmp_path_factory.mktemp("boat") for name in names}))
+    return results
 
 
-async def play(transcript: list[Step], directory: Path, ready: asyncio.Barrier) -> Played:
+def holds(name: str, result: Played) -> bool:
+    try:
+        for station in STATIONS:
+            check(result.said[station], TRANSCRIPTS[name], WIRE)
+    except AssertionError:
+        return False
+    return True
+
+
+async def play_all(directories: dict[str, Path]) -> dict[str, Played]:
+    ready, door = asyncio.Barrier(len(directories)), asyncio.Semaphore(AT_ONCE)
+    async with asyncio.TaskGroup() as group:
+        playing = {
+            name: group.create_task(play(TRANSCRIPTS[name], directory, ready, door))
+            for name, directory in directories.items()
+        }
+    return {name: task.result() for name, task in playing.items()}
+
+
+async def play(transcript: list[Step], directory: Path, ready: asyncio.Barrier, door: asyncio.Semaphore) -> Played:
+    """`door` lets a few programs start at a time, `ready` lets all begin when all have started."""
     loop = asyncio.get_running_loop()
-    async with Bench(directory, kinds=KINDS, frames=bus_frames(transcript[0]["bus"])) as bench:
+    async with AsyncExitStack() as stack:
+        async with door:
+            bench = Bench(directory, kinds=KINDS, frames=bus_frames(transcript[0]["bus"]))
+            await stack.enter_async_context(bench)
         await ready.wait()
         await asyncio.gather(*(out.hears("$PARP,STATUS", len(out.heard)) for out in bench.outs.values()))
         await asyncio.sleep(QUIET)

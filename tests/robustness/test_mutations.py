@@ -34,7 +34,7 @@ from timonel.vehicles.boat.settings import BoatSettings, Port
 from timonel.vehicles.boat.vehicle import Boat
 
 MILLION = pytest.param(1_000_000, marks=[pytest.mark.slow, pytest.mark.timeout(1800)])
-PART = 30_000
+PART = 20_000
 STATIONS = {f"IN{number}": number for number in (1, 2, 3, 4)}
 EXAMPLE = Path(__file__).parents[2] / "docs" / "boat.toml"
 

@@ -11,7 +11,7 @@ from timonel.nmea2000.lookups import SteeringMode
 
 FIRST_STATUS = 2.0  # s
 STOPPED = 1.0  # s
-TRIES = 3  # a busy computer may spoil one
+TRIES = 5  # a busy computer may spoil some
 
 
 async def hold(bench: Bench) -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, BinaryIO
 import click
 from msgspec.structs import replace
 
+from timonel.errors import ConfigError
 from timonel.gateway.assemble import boat
 from timonel.gateway.configuration import load
 from timonel.gateway.convert import Conversion
@@ -43,6 +44,8 @@ def convert(log: str, output: str, config: str | None) -> None:
     recording's own, so the same recording always gives the same bytes.
     """
     settings = load(config).vehicle if config else BoatSettings()
+    if not isinstance(settings, BoatSettings):
+        raise ConfigError(f"{config}, vehicle.kind: only what a boat said is converted")
     with ExitStack() as stack:
         reader = stack.enter_context(open_log(log))
         sink = _open_output(stack, output, log)

@@ -1,60 +1,85 @@
-"""`timonel demo`: the gateway on a simulated boat, for whoever wants to see it work."""
+"""`timonel demo`: the gateway on a simulated vehicle, for whoever wants to see it work."""
 
 import asyncio
 import os
 import socket
 import sys
 import tempfile
-import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
+from importlib import import_module
 from pathlib import Path
 from stat import S_ISDIR
+from typing import Protocol, cast
 
 import click
+import msgspec
 from rich.console import Console
 
-from timonel.cli.view import LiveView
-from timonel.core.effects import Effect, Say
-from timonel.core.frame import Frame
 from timonel.errors import LinkError
 from timonel.gateway import log
 from timonel.gateway.assemble import assemble
-from timonel.gateway.configuration import Configuration, Output, Station
+from timonel.gateway.configuration import Configuration
+from timonel.gateway.gateway import Observer
 from timonel.gateway.service import serve
-from timonel.gateway.simulation import Simulation
+from timonel.gateway.simulation import Simulated, Simulation
 from timonel.links.urls import bus_link
-from timonel.nmea0183 import parp
-from timonel.vehicles.boat.settings import BoatSettings, Port
-from timonel.vehicles.boat.simulator import SimulatedBoat
 
-BUS = "loop://demo"
 HERE = "127.0.0.1"
-PORT = click.IntRange(1, 65531)  # station 4 listens four above
+DEMOS = {"boat": "timonel.cli.demo_boat:prepare", "rover": "timonel.cli.demo_rover:prepare"}
+PORT = click.IntRange(1, 65531)  # the boat's station 4 listens four above
 SPEED = click.FloatRange(0.1, 20)
-PALMA = (39.55, 2.63)
+
+
+class View(Observer, Protocol):
+    """An observer with a screen."""
+
+    async def show(self, console: Console) -> None:
+        """Draw until cancelled."""
+
+
+class Demo(msgspec.Struct, frozen=True):
+    """A vehicle to be shown: `ports` are the TCP ports that it takes, `hints` what to type in a second terminal.
+
+    `lines` prints what happens, `view` makes the screen.
+    """
+
+    configuration: Configuration
+    simulated: Simulated
+    ports: tuple[int, ...]
+    hints: Sequence[str]
+    lines: Observer
+    view: Callable[[], View]
+
+
+Prepare = Callable[[Path, int | None, int], Demo]
+"""Makes a demo of the directory for its pseudo-terminals, the first TCP port (None: its own) and the seed."""
 
 
 @click.command()
-@click.option("--seed", default=1, show_default=True, help="Another seed is another sea.")
-@click.option("--speed", default=1.0, show_default=True, type=SPEED, help="How fast time passes for the boat.")
-@click.option("--no-view", is_flag=True, help="Print what is said to the stations instead of the live view.")
+@click.argument("vehicle", type=click.Choice(list(DEMOS)), default="boat")
+@click.option("--seed", default=1, show_default=True, help="Another seed is another sea, or another ground.")
+@click.option("--speed", default=1.0, show_default=True, type=SPEED, help="How fast time passes for the vehicle.")
+@click.option("--no-view", is_flag=True, help="Print what happens instead of the live view.")
 @click.option("--directory", type=click.Path(path_type=Path), help="Where the pseudo-terminals of the stations are.")
-@click.option("--port", default=10110, show_default=True, type=PORT, help="TCP for listeners; four above, station 4.")
-def demo(seed: int, speed: float, no_view: bool, directory: Path | None, port: int) -> None:
-    """Run the gateway on a simulated boat, until Ctrl-C.
+@click.option("--port", type=PORT, help="TCP: the boat's listeners (10110; four above, station 4), or the rover's "
+              "operator (5001; one above, the Jetson).")  # fmt: skip
+def demo(vehicle: str, seed: int, speed: float, no_view: bool, directory: Path | None, port: int | None) -> None:
+    """Run the gateway on a simulated VEHICLE, until Ctrl-C: the boat, or the rover.
 
-    Plotters and gpsd listen on TCP; bridge, cockpit and flybridge have a pseudo-terminal each, station 4 a TCP port.
+    The boat has a pseudo-terminal for bridge, cockpit and flybridge, a TCP port for station 4 and one for listeners;
+    the rover a TCP port for the operator and one for the Jetson, and a pseudo-terminal for station 3.
     """
-    _check_free(port)
-    _check_free(port + 4)
+    module, _, name = DEMOS[vehicle].partition(":")
     directory = directory or _own_directory()
+    shown = cast(Prepare, getattr(import_module(module), name))(directory, port, seed)
+    for number in shown.ports:
+        _check_free(number)
     directory.mkdir(parents=True, exist_ok=True)
     console = Console() if sys.stdout.isatty() and not no_view else None
     with ExitStack() as stack:
         log.start("info", sys.stderr if console is None else stack.enter_context(open(directory / "demo.log", "w")))
-        boat = SimulatedBoat(seed, start=time.time(), destination=PALMA)
-        status = asyncio.run(_run(configure(directory, port), boat, speed, console))
+        status = asyncio.run(_run(shown, speed, console))
     sys.exit(status)
 
 
@@ -77,51 +102,15 @@ def _own_directory() -> Path:
     return directory
 
 
-def configure(directory: Path, port: int) -> Configuration:
-    """The demo's gateway."""
-    stations = [
-        _station(number, name, f"pty://{directory / name.lower()}")
-        for number, name in enumerate(("Bridge", "Cockpit", "Flybridge"), 1)
-    ]
-    stations.append(_station(4, "Reserve", f"tcp-listen://{HERE}:{port + 4}"))
-    return Configuration(
-        file="demo",
-        vehicle=BoatSettings(name="demo"),
-        bus_url=BUS,
-        stations=tuple(stations),
-        outputs=(Output("Listeners", f"tcp-listen://{HERE}:{port}"),),
-    )
-
-
-def _station(number: int, name: str, url: str) -> Station:
-    return Station(Port(name, number), url, url)
-
-
-def how_to_connect(configuration: Configuration) -> list[str]:
-    """What to type in a second terminal."""
-    bridge = str(configuration.stations[0].send_url).removeprefix("pty://")
-    reserve = str(configuration.stations[-1].send_url).removeprefix("tcp-listen://")
-    listeners = configuration.outputs[0].url.removeprefix("tcp-listen://")
-    take = parp.command(parp.Verb.TAKECMD, 1).decode().strip()
-    return [
-        f"listen   OpenCPN: TCP, {listeners};  gpsd -N tcp://{listeners}",
-        f"steer    timonel station serial://{bridge} --id 1",
-        f"         timonel station tcp://{reserve} --id 4",
-        "keys     t takes command, r requests it, a engages, arrows turn",
-        f"by hand  echo '{take}' > {bridge}",
-    ]
-
-
-async def _run(configuration: Configuration, boat: SimulatedBoat, speed: float, console: Console | None) -> int:
-    """Sail until told to stop; with a `console` there is something to see."""
-    gateway = assemble(configuration)
-    hints = how_to_connect(configuration)
-    async with Simulation(boat, bus_link(BUS, name="boat"), speed):
+async def _run(demo: Demo, speed: float, console: Console | None) -> int:
+    """Move until told to stop; with a `console` there is something to see."""
+    gateway = assemble(demo.configuration)
+    async with Simulation(demo.simulated, bus_link(demo.configuration.bus_url, name="simulated"), speed):
         if console is None:
-            click.echo("\n".join(hints), err=True)
-            gateway.observers.append(Lines())
+            click.echo("\n".join(demo.hints), err=True)
+            gateway.observers.append(demo.lines)
             return await serve(gateway)
-        view = LiveView(hints, title="timonel demo")
+        view = demo.view()
         gateway.observers.append(view)
         showing = asyncio.get_running_loop().create_task(view.show(console))
         status = await serve(gateway)
@@ -129,17 +118,3 @@ async def _run(configuration: Configuration, boat: SimulatedBoat, speed: float, 
         with suppress(asyncio.CancelledError):
             await showing
         return status
-
-
-class Lines:
-    """An observer that prints what the stations hear."""
-
-    def frames_received(self, frames: Sequence[Frame], now: float) -> None:
-        """Not shown."""
-
-    def effect(self, effect: Effect, now: float) -> None:
-        if isinstance(effect, Say):
-            print(effect.line.decode("ascii").rstrip(), flush=True)
-
-    def port(self, name: str, connected: bool, now: float) -> None:
-        """The log tells."""

@@ -13,8 +13,10 @@ PROGRAMS = {
     "run": ("timonel.cli.run:run", "Run the gateway that a configuration describes."),
     "check": ("timonel.cli.check:check", "Tell everything that is wrong in a configuration."),
     "convert": ("timonel.cli.convert:convert", "Turn a recording of a bus into NMEA 0183."),
-    "demo": ("timonel.cli.demo:demo", "Run the gateway on a simulated boat."),
+    "export": ("timonel.cli.export:export", "Write the layout of the rover's frames for the tools of others."),
+    "demo": ("timonel.cli.demo:demo", "Run the gateway on a simulated boat or rover."),
     "station": ("timonel.cli.station:station", "Be a helm station, with the keyboard."),
+    "drive": ("timonel.cli.drive:drive", "Drive a rover, with the keyboard or a gamepad."),
 }
 
 

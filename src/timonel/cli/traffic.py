@@ -189,10 +189,10 @@ def _rank(important: tuple[object, ...], name: object) -> int:
 def _name(pgn: int) -> str:
     variants = registry.MESSAGES.get(pgn, ())
     names = Counter(variant.__name__ for variant in variants)
-    return _words(next(iter(names))) if len(names) == 1 else f"PGN {pgn}"
+    return words(next(iter(names))) if len(names) == 1 else f"PGN {pgn}"
 
 
-def _words(name: str) -> str:
+def words(name: str) -> str:
     """`VesselHeading` as `Vessel heading`."""
     text = "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in name)
     return text.strip().capitalize()

@@ -2,7 +2,8 @@
 
 import asyncio
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import ClassVar
 
 from rich.console import Console
 from rich.live import Live
@@ -24,7 +25,12 @@ EVENTS_MIN = 3
 
 
 class LiveView:
-    """An observer of the gateway with a screen. `connect` is what stands at its foot."""
+    """An observer of the gateway with a screen. `connect` is what stands at its foot.
+
+    What it shows of a boat, another vehicle's view shows in other words (`rover_view`).
+    """
+
+    NAMES: ClassVar[Mapping[int, str]] = NAMES
 
     def __init__(self, connect: Sequence[str] = (), *, title: str = "timonel", palette: Palette = DAY) -> None:
         self.traffic = Traffic()
@@ -51,11 +57,11 @@ class LiveView:
 
     def page(self, width: int, height: int, now: float) -> Page:
         """The screen at `now` (s). The tables share the lines that the rest leaves."""
-        head = [self._title(width, now), self._pilot(width), *self._stations(width), *self._alerts(width)]
+        head = [self._title(width, now), self._state(width), *self._stations(width), *self._alerts(width)]
         foot = self._how_to_connect(width)
         room = height - len(head) - len(foot) - 3
         events = max(1, min(room // 5 + 1, max(EVENTS_MIN, len(self.traffic.events))))
-        messages = min(len(self.traffic.messages), max(1, (room - events) // 2))
+        messages = min(len(self.traffic.messages), max(1, self._share(room - events)))
         sentences = max(0, room - events - messages)
         lines = [
             *head,
@@ -68,14 +74,21 @@ class LiveView:
     # Parts ----------------------------------------------------------------------------------------
 
     def _title(self, width: int, now: float) -> Text:
+        rates = Text(self._rates(now), self._paint.dim)
+        return spread(Text(f" {self._title_text}", self._paint.value), rates, width - 1)
+
+    def _rates(self, now: float) -> str:
         traffic = self.traffic
-        rates = (
+        return (
             f"bus {traffic.frames_in.rate(now):.0f} in {traffic.frames_out.rate(now):.1f} out frames/s   "
             f"{traffic.lines_out.rate(now):.0f} sentences/s"
         )
-        return spread(Text(f" {self._title_text}", self._paint.value), Text(rates, self._paint.dim), width - 1)
 
-    def _pilot(self, width: int) -> Text:
+    def _share(self, rows: int) -> int:
+        """How many of the rows messages have, beside sentences."""
+        return rows // 2
+
+    def _state(self, width: int) -> Text:
         paint, status = self._paint, self.traffic.status
         if status is None:
             return Text(" no STATUS yet", paint.dim)
@@ -91,16 +104,18 @@ class LiveView:
         )  # fmt: skip
 
     def _stations(self, width: int) -> list[Text]:
-        paint, status = self._paint, self.traffic.status
-        who = (
-            "nobody" if status is None or not status.commander else f"{status.commander:02d} {NAMES[status.commander]}"
-        )
+        paint, commander = self._paint, self._commander()
+        who = f"{commander:02d} {self.NAMES[commander]}" if commander else "nobody"
         command = Text.assemble("  ", ("command ", paint.dim), (f"{who:<12}", paint.value))
         ports = Text()
         for name, connected in self.traffic.ports.items():
             ports.append(f"  {'●' if connected else '○'} {name}", paint.good if connected else paint.dim)
         together = Text.assemble(command, ports)
         return [together] if together.cell_len <= width else [command, ports]
+
+    def _commander(self) -> int | None:
+        status = self.traffic.status
+        return None if status is None else status.commander
 
     def _alerts(self, width: int) -> list[Text]:
         alerts = sorted(self.traffic.alerts.values(), key=lambda alert: alert.kind.priority)

@@ -13,6 +13,7 @@ from timonel.errors import ConfigError
 
 _HEADER = re.compile(r"\s*(\[\[?)([^\[\]#]+)\]\]?\s*(?:#.*)?$")
 _KEY = re.compile(r"""\s*((?:[\w-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[\w-]+|"[^"]*"|'[^']*'))*)\s*=""")
+_LAST = re.compile(r"(\.[^.\[\]]+|\[\d+\])$")
 _SYNTAX_PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 
 
@@ -31,17 +32,22 @@ class Mistakes:
         """Note one mistake a key, written `bus.url`, or `station[2].id` for the second station."""
         line = self._line(key)
         place = f"{self._file}:{line}" if line else self._file
-        self._found.setdefault(key, (line or 0, f"{place}, {key}: {text}"))
+        self._found.setdefault(key, (line or 0, _one_line(f"{place}, {key}: {text}")))
 
     def _line(self, key: str) -> int | None:
         """Where the key stands, else the table it belongs to, None if neither can be found."""
-        while key not in self._lines and "." in key:
-            key = key.rpartition(".")[0]
+        while key not in self._lines and (shorter := _LAST.sub("", key)) != key:
+            key = shorter
         return self._lines.get(key)
 
     def error(self) -> ConfigError:
         """All of them in the order of the file."""
         return ConfigError("\n".join(text for _, text in sorted(self._found.values(), key=itemgetter(0))))
+
+
+def _one_line(text: str) -> str:
+    """`text` with an escape for what is not printable: a value may hold a line end or move a terminal's cursor."""
+    return "".join(char if char.isprintable() else char.encode("unicode_escape").decode() for char in text)
 
 
 def _lines_of_keys(text: str) -> Iterator[tuple[str, int]]:

@@ -1,16 +1,32 @@
 """From a configuration to a gateway that can be opened."""
 
 import asyncio
+from collections import Counter
+from collections.abc import Callable, Mapping
+from functools import partial
 
 import msgspec
 
 from timonel.gateway.configuration import Configuration, Output, Station
 from timonel.gateway.gateway import Channel, Gateway
 from timonel.gateway.variation import variation
-from timonel.links.link import ByteLink
-from timonel.links.urls import bus_link, byte_link
+from timonel.links.link import BusLink, ByteLink
+from timonel.links.uart_bus import UartBus
+from timonel.links.urls import bus_link, byte_link, with_default
 from timonel.vehicles.boat.settings import BoatSettings, Port
 from timonel.vehicles.boat.vehicle import Boat
+from timonel.vehicles.rover.declaration import Party
+from timonel.vehicles.rover.framing import DIALECTS
+from timonel.vehicles.rover.protocol import Protocol
+from timonel.vehicles.rover.settings import Port as RoverPort
+from timonel.vehicles.rover.settings import RoverSettings
+from timonel.vehicles.rover.vehicle import Rover
+from timonel.vehicles.vehicle import Vehicle
+
+ROVER_BITRATE = 500_000
+
+Watched = dict[str, Callable[[], Mapping[str, int]]]
+"""Counters for health, by name."""
 
 
 def boat(settings: BoatSettings, ports: list[Port], now: float) -> Boat:
@@ -20,28 +36,69 @@ def boat(settings: BoatSettings, ports: list[Port], now: float) -> Boat:
 
 def assemble(configuration: Configuration) -> Gateway:
     """A gateway on the running loop with all links made and none opened. Raises LinkError."""
-    ports = [station.port for station in configuration.stations]
-    vehicle = boat(configuration.vehicle, ports, asyncio.get_running_loop().time())
-    channels = [_station(station) for station in configuration.stations]
-    channels += [_output(output) for output in configuration.outputs]
-    bus = bus_link(configuration.bus_url, name="bus")
+    now = asyncio.get_running_loop().time()
+    match configuration.vehicle:
+        case BoatSettings() as settings:
+            vehicle, bus, watched = _boat(configuration, settings, now)
+        case RoverSettings() as settings:
+            vehicle, bus, watched = _rover(configuration, settings, now)
+    raw = isinstance(configuration.vehicle, RoverSettings)
+    channels = [_station(station, raw) for station in configuration.stations]
+    channels += [_output(output, raw) for output in configuration.outputs]
     gateway = Gateway(vehicle, bus, channels, flush=configuration.flush)
-    gateway.health.watch("boat", lambda: vehicle.counters)
-    gateway.health.watch("fast packet", lambda: msgspec.structs.asdict(vehicle.fast_packets))
+    for name, counters in watched.items():
+        gateway.health.watch(name, counters)
     return gateway
 
 
-def _station(station: Station) -> Channel:
+def _boat(configuration: Configuration, settings: BoatSettings, now: float) -> tuple[Vehicle, BusLink, Watched]:
+    vehicle = boat(settings, [station.port for station in configuration.stations], now)
+    watched: Watched = {
+        "boat": lambda: vehicle.counters,
+        "fast packet": lambda: msgspec.structs.asdict(vehicle.fast_packets),
+    }
+    return vehicle, bus_link(configuration.bus_url, name="bus"), watched
+
+
+def _rover(configuration: Configuration, settings: RoverSettings, now: float) -> tuple[Vehicle, BusLink, Watched]:
+    protocol = configuration.protocol or Protocol()
+    ports = [
+        RoverPort(port.name, port.station)
+        for port in (station.port for station in configuration.stations)
+        if port.station is not None  # of a rover it never is
+    ]
+    vehicle = Rover(settings, ports, now, protocol)
+    watched: Watched = {"rover": lambda: vehicle.counters}
+    watched |= {f"{port.name} framing": partial(_framing, vehicle, port.name) for port in ports}
+    return vehicle, _rover_bus(configuration.bus_url, settings, protocol), watched
+
+
+def _rover_bus(url: str, settings: RoverSettings, protocol: Protocol) -> BusLink:
+    """A CAN bus; in the role `operator` the UART of a controller that drives."""
+    if settings.role == "controller":
+        return bus_link(with_default(url, "bitrate", str(ROVER_BITRATE)), name="bus")
+    framer = DIALECTS[settings.dialect](protocol.lengths(Party.OPERATOR), settings.idle)
+    return UartBus(byte_link(with_default(url, "raw", "yes"), name="bus"), framer)
+
+
+def _framing(vehicle: Rover, port: str) -> Mapping[str, int]:
+    return Counter(msgspec.structs.asdict(vehicle.framing()[port].counters))
+
+
+def _station(station: Station, raw: bool) -> Channel:
     name = station.port.name
-    receive = _link(station.receive_url, name)
+    receive = _link(station.receive_url, name, raw)
     if station.send_url == station.receive_url:
         return Channel(name, receive, receive)
-    return Channel(name, receive, _link(station.send_url, f"{name} OUT"))
+    return Channel(name, receive, _link(station.send_url, f"{name} OUT", raw))
 
 
-def _output(output: Output) -> Channel:
-    return Channel(output.name, None, byte_link(output.url, name=output.name))
+def _output(output: Output, raw: bool) -> Channel:
+    return Channel(output.name, None, _link(output.url, output.name, raw))
 
 
-def _link(url: str | None, name: str) -> ByteLink | None:
-    return None if url is None else byte_link(url, name=name)
+def _link(url: str | None, name: str, raw: bool) -> ByteLink | None:
+    """A port; with `raw` for frames instead of lines."""
+    if url is None:
+        return None
+    return byte_link(with_default(url, "raw", "yes") if raw else url, name=name)

@@ -1,11 +1,12 @@
 """The configuration of a gateway: a TOML file that is understood as a whole or not at all.
 
-`docs/configuration.md` describes every key, `docs/boat.toml` shows them. All mistakes are told at once.
+`docs/configuration.md` describes every key, those of a rover `docs/rover.md`; `docs/boat.toml` and `docs/rover.toml`
+show them. All mistakes are told at once.
 """
 
 import os
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_type_hints
 
@@ -13,12 +14,18 @@ import msgspec
 
 from timonel.core.mistakes import Mistakes, convert, did_you_mean, syntax_error, written
 from timonel.errors import ConfigError, LinkError
+from timonel.gateway import own_frames
 from timonel.links import urls
 from timonel.vehicles.boat.conversion import RATES
 from timonel.vehicles.boat.settings import BoatSettings, Hertz, Port
+from timonel.vehicles.rover.calibration import Calibration, calibrated
+from timonel.vehicles.rover.declaration import RoverFrame
+from timonel.vehicles.rover.protocol import Protocol
+from timonel.vehicles.rover.settings import RoverSettings
 
 Table = dict[str, Any]
 Keys = dict[str, Any]
+Settings = BoatSettings | RoverSettings
 
 StationId = Annotated[int, msgspec.Meta(ge=1, le=4)]
 FLUSH_SECONDS = {"0ms": 0.0, "2ms": 0.002, "5ms": 0.005}
@@ -26,18 +33,28 @@ FLUSH_SECONDS = {"0ms": 0.0, "2ms": 0.002, "5ms": 0.005}
 _BOAT = get_type_hints(BoatSettings, include_extras=True)
 _ADDRESS = _BOAT.pop("address")
 _BOAT.pop("rates")
+_ROVER = get_type_hints(RoverSettings, include_extras=True)
+_ROVER.pop("calibration", None)
+_KIND = {"kind": Literal["boat", "rover"]}
+_BASE = {"base": Literal["documented", "physical"]}
+_GATEWAY: Keys = {"flush": Literal["0ms", "2ms", "5ms"], "log": Literal["debug", "info", "warning", "error"]}
+_STATION: Keys = {"id": StationId, "name": str, "url": str, "in": str, "out": str}
+_OUTPUT: Keys = {"url": str, "name": str}
 
-TABLES: dict[str, Keys] = {
-    "vehicle": {"kind": Literal["boat"], **_BOAT},
-    "bus": {"url": str, "address": _ADDRESS},
-    "sentences": dict.fromkeys(RATES, bool | Hertz),
-    "gateway": {"flush": Literal["0ms", "2ms", "5ms"], "log": Literal["debug", "info", "warning", "error"]},
-}
-LISTS: dict[str, Keys] = {
-    "station": {"id": StationId, "name": str, "url": str, "in": str, "out": str, "shared": bool},
-    "output": {"url": str, "name": str},
-}
-KEYS = TABLES | LISTS
+
+class Kind(msgspec.Struct, frozen=True):
+    """What may stand in the configuration of one kind of vehicle, and how it is put together.
+
+    `lists` are the tables in double brackets. `settle` makes settings and protocol of the tables' sound values.
+    """
+
+    tables: dict[str, Keys]
+    lists: dict[str, Keys]
+    settle: Callable[["_Reader"], tuple[Settings, Protocol | None]]
+
+    @property
+    def keys(self) -> dict[str, Keys]:
+        return self.tables | self.lists
 
 
 class Station(msgspec.Struct, frozen=True):
@@ -62,12 +79,19 @@ class Configuration(msgspec.Struct, frozen=True):
     """A whole configuration, understood; `flush` is in s, `log` the least severe level that is logged."""
 
     file: str
-    vehicle: BoatSettings
+    vehicle: Settings
     bus_url: str
     stations: tuple[Station, ...] = ()
     outputs: tuple[Output, ...] = ()
     flush: float = 0.0
     log: str = "info"
+    protocol: Protocol | None = None
+    """Frames and calibration of a rover."""
+
+    @property
+    def bus_carries(self) -> urls.Carries:
+        """Bytes where the bus is a rover's UART, to a controller that does the driving."""
+        return "bytes" if isinstance(self.vehicle, RoverSettings) and self.vehicle.role == "operator" else "frames"
 
 
 def load(path: str | Path) -> Configuration:
@@ -88,21 +112,26 @@ def parse(text: str, file: str = "boat.toml") -> Configuration:
     except tomllib.TOMLDecodeError as fault:
         raise syntax_error(file, text, fault) from fault
     mistakes = Mistakes(file, text)
-    configuration = _Reader(document, mistakes).configuration(file)
-    if mistakes:
-        raise mistakes.error()
+    reader = _Reader(document, mistakes, file)
+    configuration = reader.configuration()
+    if mistakes or reader.elsewhere:
+        raise ConfigError("\n".join(filter(None, (str(mistakes.error()), *reader.elsewhere))))
     return configuration
 
 
 class _Reader:
     """Goes through all tables; what is wrong is noted and left out, so that the rest is looked at too."""
 
-    def __init__(self, document: Table, mistakes: Mistakes) -> None:
+    def __init__(self, document: Table, mistakes: Mistakes, file: str) -> None:
+        self.elsewhere: list[str] = []
+        """What is wrong in the files that this one names, a line each."""
         self._wrong = mistakes.add
-        for name in document.keys() - KEYS.keys():
-            self._wrong(name, f"unknown table{did_you_mean(name, KEYS)}")
-        self._tables = {name: self._table(document, name) for name in TABLES}
-        self._lists = {name: self._list(document, name) for name in LISTS}
+        self._file = file
+        self._kind = _kind(document)
+        for name in document.keys() - self._kind.keys.keys():
+            self._wrong(name, f"unknown table{did_you_mean(name, self._kind.keys)}")
+        self._tables = {name: self._table(document, name) for name in self._kind.tables}
+        self._lists = {name: self._list(document, name) for name in self._kind.lists}
 
     def _table(self, document: Table, name: str) -> Table:
         table = document.get(name, {})
@@ -118,30 +147,59 @@ class _Reader:
             return []
         return tables
 
-    def configuration(self, file: str) -> Configuration:
-        vehicle = self._values("vehicle", self._tables["vehicle"], TABLES["vehicle"])
-        bus = self._values("bus", self._tables["bus"], TABLES["bus"])
-        gateway = self._values("gateway", self._tables["gateway"], TABLES["gateway"])
-        self._require("vehicle.kind", vehicle.pop("kind", None), 'say which: "boat"')
-        self._require("bus.url", url := bus.pop("url", None), "a bus is needed, like socketcan://can0")
+    def configuration(self) -> Configuration:
+        gateway = self._sound("gateway")
+        bus_url = self._sound("bus").get("url")
+        self._require("vehicle.kind", self._sound("vehicle").get("kind"), 'say which: "boat" or "rover"')
+        settings, protocol = self._kind.settle(self)
         configuration = Configuration(
-            file=file,
-            vehicle=BoatSettings(**vehicle, **bus, rates=self._rates()),
-            bus_url=url or "",
+            file=self._file,
+            vehicle=settings,
+            bus_url=bus_url or "",
             stations=self._stations(),
             outputs=self._outputs(),
             flush=FLUSH_SECONDS[gateway.get("flush", "0ms")],
             log=gateway.get("log", "info"),
+            protocol=protocol,
         )
+        wanted = "like socketcan://can0" if configuration.bus_carries == "frames" else "like serial:///dev/ttyUSB0"
+        self._require("bus.url", bus_url, f"a bus is needed, {wanted}")
         self._check_as_a_whole(configuration)
         return configuration
+
+    def boat(self) -> tuple[Settings, None]:
+        """The settings of a boat stand in three tables."""
+        vehicle = _without(self._sound("vehicle"), "kind")
+        bus = _without(self._sound("bus"), "url")
+        return BoatSettings(**vehicle, **bus, rates=self._rates()), None
+
+    def rover(self) -> tuple[Settings, Protocol]:
+        """The settings of a rover, and what its frames mean."""
+        vehicle = self._sound("vehicle")
+        calibration = calibrated(self._tables["calibration"], self._wrong)
+        protocol = Protocol(calibration, self._own_frames(vehicle.get("frames")))
+        return RoverSettings(**_without(vehicle, "kind", "frames")), protocol
+
+    def _own_frames(self, path: str | None) -> tuple[type[RoverFrame], ...]:
+        """The frames that the owner declares, in a file beside this one."""
+        if path is None:
+            return ()
+        try:
+            return own_frames.load(Path(self._file).parent / path)
+        except ConfigError as fault:
+            self.elsewhere.append(str(fault))
+            return ()
+
+    def _sound(self, name: str) -> Table:
+        """The values of a whole table that are right."""
+        return self._values(name, self._tables[name], self._kind.tables[name])
 
     def _values(self, place: str, table: Table, keys: Keys) -> Table:
         """The values of a table that are right."""
         values = {}
         for key, value in table.items():
             if key not in keys:
-                self._wrong(f"{place}.{key}", f"unknown key{_belongs(key) or did_you_mean(key, keys)}")
+                self._wrong(f"{place}.{key}", f"unknown key{_belongs(key, self._kind) or did_you_mean(key, keys)}")
                 continue
             try:
                 values[key] = convert(value, keys[key])
@@ -156,7 +214,7 @@ class _Reader:
 
     def _rates(self) -> dict[str, float]:
         """Ceilings in Hz. `true` is the sentence's own rate, `false` none of it."""
-        given = self._values("sentences", self._tables["sentences"], TABLES["sentences"])
+        given = self._sound("sentences")
         return {key: (RATES[key] or 1.0) if value is True else float(value) for key, value in given.items()}
 
     def _stations(self) -> tuple[Station, ...]:
@@ -165,9 +223,11 @@ class _Reader:
         )
 
     def _station(self, place: str, table: Table) -> Station:
-        values = self._values(place, table, LISTS["station"])
+        keys = self._kind.lists["station"]
+        values = self._values(place, table, keys)
         if "id" not in table and not values.get("shared"):
-            self._wrong(f"{place}.id", "missing; 1..4, or shared = true for a wire that several stations share")
+            or_shared = ", or shared = true for a wire that several stations share" if "shared" in keys else ""
+            self._wrong(f"{place}.id", f"missing; 1..4{or_shared}")
         if "url" in table and ("in" in table or "out" in table):
             self._wrong(f"{place}.url", "one link does both; leave out in and out")
         elif "url" not in table and "in" not in table:
@@ -181,7 +241,7 @@ class _Reader:
         return tuple(self._output(f"output[{number}]", table) for number, table in enumerate(self._lists["output"], 1))
 
     def _output(self, place: str, table: Table) -> Output:
-        values = self._values(place, table, LISTS["output"])
+        values = self._values(place, table, self._kind.lists["output"])
         if "url" not in table:
             self._wrong(f"{place}.url", "missing; where the listeners are, like tcp-listen://127.0.0.1:10110")
         return Output(values.get("name") or values.get("url", ""), values.get("url", ""))
@@ -200,7 +260,7 @@ class _Reader:
     def _check_urls(self, configuration: Configuration) -> None:
         for key, url in _urls(configuration):
             try:
-                urls.check(url, "frames" if key == "bus.url" else "bytes")
+                urls.check(url, configuration.bus_carries if key == "bus.url" else "bytes")
             except LinkError as fault:
                 self._wrong(key, str(fault))
 
@@ -220,9 +280,44 @@ class _Reader:
                 self._wrong(key, f"{written(shown)} is {earlier} already")
 
 
-def _belongs(key: str) -> str:
+KINDS = {
+    "boat": Kind(
+        tables={
+            "vehicle": _KIND | _BOAT,
+            "bus": {"url": str, "address": _ADDRESS},
+            "sentences": dict.fromkeys(RATES, bool | Hertz),
+            "gateway": _GATEWAY,
+        },
+        lists={"station": _STATION | {"shared": bool}, "output": _OUTPUT},
+        settle=_Reader.boat,
+    ),
+    "rover": Kind(
+        tables={
+            "vehicle": _KIND | _ROVER | {"frames": str},
+            "bus": {"url": str},
+            "calibration": _BASE | get_type_hints(Calibration, include_extras=True),
+            "gateway": _GATEWAY,
+        },
+        lists={"station": _STATION, "output": _OUTPUT},
+        settle=_Reader.rover,
+    ),
+}
+
+
+def _kind(document: Table) -> Kind:
+    """What the document says that it is about; a boat if it says nothing, or nothing known."""
+    vehicle = document.get("vehicle")
+    name = vehicle.get("kind") if isinstance(vehicle, dict) else None
+    return KINDS.get(str(name), KINDS["boat"])
+
+
+def _without(table: Table, *keys: str) -> Table:
+    return {key: value for key, value in table.items() if key not in keys}
+
+
+def _belongs(key: str, kind: Kind) -> str:
     """Where a key that stands in the wrong table would be right, if that is one place."""
-    places = [name for name, keys in KEYS.items() if key in keys]
+    places = [name for name, keys in kind.keys.items() if key in keys]
     return f" (it belongs in [{places[0]}])" if len(places) == 1 else ""
 
 

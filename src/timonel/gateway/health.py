@@ -13,10 +13,11 @@ from timonel.core.command import NOBODY, Denied, Overridden, Requested, Transfer
 from timonel.core.effects import Effect, Refused, Rejected, SecurityEvent
 from timonel.core.pace import Allowance
 from timonel.vehicles.boat.pilot import Mode, PilotChanged, Steer
+from timonel.vehicles.rover.drive import Permission
 
 LINES, LINES_WINDOW = 10, 10.0  # so many log lines about the same thing in so many seconds
 KINDS_MAX = 256  # that are told apart, however inventive a peer is
-ALWAYS_SAID = (Transferred, AlertChanged)
+ALWAYS_SAID = (Transferred, AlertChanged, Permission)
 
 logger = logging.getLogger("timonel")
 
@@ -125,6 +126,8 @@ def describe(event: Effect) -> str:
             return f"pilot: {'unknown mode' if mode is Mode.UNKNOWN else mode.value}{_course(setpoint)}"
         case Steer(setpoint=setpoint):
             return "to the pilot: " + ("let go" if setpoint is None else f"hold{_course(setpoint)}")
+        case Permission(granted=granted, reason=reason):
+            return f"drives {'enabled' if granted else 'stopped'}: {reason}"
         case AlertChanged(alert=alert):
             return f"{alert.kind.priority.name.lower()} {_state(event)}: {alert.kind.name}: {alert.text}"
         case _:

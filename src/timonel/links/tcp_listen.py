@@ -2,6 +2,10 @@
 
 A reader that stops reading costs the others nothing, and gets the newest line of each kind when it goes on.
 What the clients say is delivered line by line, so that their lines are never mixed.
+
+`?raw=yes` is for what knows no lines: bytes are delivered as they come, of one client at a time, since the bytes of two
+would make frames that nobody sent. Whoever speaks first has the voice, until he leaves or is silent for 2 s; what
+others say meanwhile is dropped and counted, and all of them hear. Connected means then that somebody has the voice.
 """
 
 import asyncio
@@ -19,16 +23,20 @@ from timonel.links.wire import Wire
 READERS_MAX = 256
 ACCEPT_AT_ONCE = 16
 REST = 1.0
+SILENT = 2.0  # s after which a raw client may be gone without a word, and the next one is heard
 OUT_OF_DESCRIPTORS = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
 
 class TcpListenLink(Kept[bytes]):
     """A line server; connected means that it listens, and `changed` tells the number of readers."""
 
-    def __init__(self, host: str, port: int, *, url: str = "", name: str = "") -> None:
+    def __init__(self, host: str, port: int, *, raw: bool = False, url: str = "", name: str = "") -> None:
         super().__init__(url=url, name=name)
         self.host = host
         self.port = port
+        self.raw = raw
+        self._voice: int | None = None
+        self._voice_heard = 0.0
         self._server: socket.socket | None = None
         self._resume: asyncio.TimerHandle | None = None
         self._readers: dict[int, Wire] = {}
@@ -90,7 +98,7 @@ class TcpListenLink(Kept[bytes]):
         fd = stream.fileno()
         self._readers[fd] = Wire(
             fd,
-            receive=partial(self._hear, WholeLines(self._tally)),
+            receive=partial(self._hear_raw, fd) if self.raw else partial(self._hear, WholeLines(self._tally)),
             lost=partial(self._leave, fd),
             release=stream.close,
             tally=self._tally,
@@ -101,13 +109,34 @@ class TcpListenLink(Kept[bytes]):
         if whole := lines.receive(data):
             self._receive(whole)
 
+    def _hear_raw(self, fd: int, data: bytes) -> None:
+        now = self._loop.time()
+        taken = self._voice is not None and now < self._voice_heard + SILENT
+        if fd == self._voice:
+            self._voice_heard = now
+            self._receive(data)
+        elif taken:
+            self._tally.rejected += 1
+        else:
+            self._give_voice(fd, data, now)
+
+    def _give_voice(self, fd: int, data: bytes, now: float) -> None:
+        self._voice, self._voice_heard = fd, now
+        self._told = None  # another one speaks: that is news even where the words are the same
+        self._tell(True, "somebody speaks")
+        self._loop.call_soon(self._receive, data)  # after the listener was told whom it hears
+
     def _leave(self, fd: int, _reason: str) -> None:
         if reader := self._readers.pop(fd, None):
             reader.close()
             self._tell_readers()
+        if fd == self._voice:
+            self._voice = None
+            self._tell(False, "who spoke has left")
 
     def _tell_readers(self) -> None:
-        self._tell(True, f"readers: {len(self._readers)}" if self._readers else "")
+        if not self.raw:
+            self._tell(True, f"readers: {len(self._readers)}" if self._readers else "")
 
     def send(self, lines: Sequence[Say]) -> None:
         for reader in self._readers.values():
@@ -123,5 +152,6 @@ class TcpListenLink(Kept[bytes]):
             self._loop.remove_reader(self._server.fileno())
             self._server.close()
             self._server = None
+        self._voice = None
         while self._readers:
             self._readers.popitem()[1].close()

@@ -72,6 +72,15 @@ def check(url: str, carries: Carries) -> None:
         raise LinkError(f"{url}: not the URL of {wanted} ({wanted} is one of {fitting})")
 
 
+def with_default(url: str, key: str, value: str) -> str:
+    """`url` with a parameter that it leaves to the default, if its scheme has such a one. Raises LinkError."""
+    parse(url)
+    query = url.partition("?")[2]
+    if key not in _scheme(url.partition("://")[0]).parameters or key in dict(parse_qsl(query)):
+        return url
+    return f"{url}{'&' if '?' in url else '?'}{key}={value}"
+
+
 def parse(url: str) -> Address:
     """Understand a URL; raises LinkError that says what is wrong in it."""
     name, separator, rest = url.partition("://")
@@ -240,7 +249,7 @@ SCHEMES = {
     "serial": Scheme("bytes", "timonel.links.serial:SerialLink", _path, {"baud": _baud}),
     "pty": Scheme("bytes", "timonel.links.pty:PtyLink", _path, {"mode": _mode}),
     "tcp": Scheme("bytes", "timonel.links.tcp:TcpLink", _host_and_port),
-    "tcp-listen": Scheme("bytes", "timonel.links.tcp_listen:TcpListenLink", _listening),
+    "tcp-listen": Scheme("bytes", "timonel.links.tcp_listen:TcpListenLink", _listening, {"raw": _yes_or_no}),
     "udp": Scheme("bytes", "timonel.links.udp:UdpLink", _host_or_port),
     "socketcan": Scheme("frames", "timonel.links.socketcan:SocketCanLink", _interface),
     "slcan": Scheme("frames", "timonel.links.slcan:SlcanLink", _path, {"bitrate": _bitrate, "baud": _baud}),

@@ -41,8 +41,8 @@ class Canboat:
         data, size = _bytes(text), int(length)
         if len(data) < size:
             raise ValueError(f"{size} bytes announced, {len(data)} found")
-        if size > LONGEST:
-            raise ValueError(f"{size} bytes are more than {LONGEST}")
+        if not 0 <= size <= LONGEST:
+            raise ValueError(f"{size} bytes are not 0..{LONGEST}")
         identifier, fast = _address(priority, pgn, source, destination)
         if identifier is None:
             return None

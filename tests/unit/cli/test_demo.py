@@ -9,7 +9,7 @@ from typing import IO
 import pytest
 
 from tests.unit.cli.programs import start, timonel
-from timonel.cli.demo import configure, how_to_connect
+from timonel.cli.demo_boat import configure, how_to_connect
 from timonel.nmea0183.checksum import verify
 
 

@@ -1,9 +1,10 @@
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
 from timonel.errors import ConfigError
-from timonel.gateway.configuration import Output, Station, load, parse
+from timonel.gateway.configuration import KINDS, Output, Station, load, parse
 from timonel.vehicles.boat.conversion import RATES
 from timonel.vehicles.boat.settings import BoatSettings, Port
 
@@ -21,6 +22,11 @@ def mistakes(text: str) -> list[str]:
     return str(caught.value).splitlines()
 
 
+def test_what_cannot_be_printed_does_not_break_a_mistake_in_two() -> None:
+    text = SOUND.replace("boat", r"bo\nat\u001b[2J", 1)
+    assert mistakes(text) == [r'boat.toml:2, vehicle.kind: "bo\nat\x1b[2J" should be "boat" or "rover" (did you mean "boat"?)']
+
+
 def test_the_example_of_the_documentation_is_sound() -> None:
     configuration = load(DOCS / "boat.toml")
     assert configuration.stations[0] == Station(Port("Bridge", 1), "serial:///dev/ttyUSB4", "serial:///dev/ttyUSB0")
@@ -29,10 +35,8 @@ def test_the_example_of_the_documentation_is_sound() -> None:
 
 
 def test_the_page_about_the_configuration_names_every_key_and_every_sentence() -> None:
-    from timonel.gateway.configuration import KEYS
-
     page = (DOCS / "configuration.md").read_text()
-    keys = {key for table, keys in KEYS.items() if table != "sentences" for key in keys}
+    keys = {key for table, keys in KINDS["boat"].keys.items() if table != "sentences" for key in keys}
     assert [key for key in sorted(keys | RATES.keys()) if f"`{key}`" not in page] == []
 
 
@@ -103,7 +107,7 @@ MISTAKES = {
     ),
     "a kind of vehicle": (
         SOUND.replace('"boat"', '"submarine"'),
-        'boat.toml:2, vehicle.kind: "submarine" should be "boat"',
+        'boat.toml:2, vehicle.kind: "submarine" should be "boat" or "rover"',
     ),
     "text where a number should be": (
         SOUND.replace("[bus]", 'max_age = "3 s"\n[bus]'),
@@ -191,7 +195,7 @@ MISTAKES = {
         "boat.toml, station: missing; without a [[station]] or an [[output]] nobody hears anything",
     ),
     "no bus": (VEHICLE + STATION, "boat.toml, bus.url: missing; a bus is needed, like socketcan://can0"),
-    "no vehicle": (BUS + STATION, 'boat.toml, vehicle.kind: missing; say which: "boat"'),
+    "no vehicle": (BUS + STATION, 'boat.toml, vehicle.kind: missing; say which: "boat" or "rover"'),
     "a mistake of TOML": (VEHICLE + "url = \n", "boat.toml:3, column 7: invalid value"),
     "a file that is cut short": (VEHICLE + 'url = "', "boat.toml:3: unterminated string"),
 }
@@ -232,10 +236,11 @@ def test_the_same_listening_port_0_may_stand_twice() -> None:
     assert len(parse(text).outputs) == 2
 
 
-def test_a_device_is_the_same_under_another_name(tmp_path: Path) -> None:
-    (tmp_path / "by-id").symlink_to("/dev/ttyS9")
-    text = VEHICLE + BUS + f'[[station]]\nid = 1\nin = "serial:///dev/ttyS9"\nout = "serial://{tmp_path}/by-id"\n'
-    assert mistakes(text) == [f'boat.toml:8, station[1].out: "serial://{tmp_path}/by-id" is station[1].in already']
+def test_a_device_is_the_same_under_another_name() -> None:
+    with TemporaryDirectory() as folder:  # a short name: long values are cut in messages
+        (Path(folder) / "by-id").symlink_to("/dev/ttyS9")
+        text = VEHICLE + BUS + f'[[station]]\nid = 1\nin = "serial:///dev/ttyS9"\nout = "serial://{folder}/by-id"\n'
+        assert mistakes(text) == [f'boat.toml:8, station[1].out: "serial://{folder}/by-id" is station[1].in already']
 
 
 def test_a_file_that_is_not_there_is_told() -> None:

@@ -165,9 +165,11 @@ def test_a_driver_that_neither_waits_nor_gives_does_not_make_us_spin():
     async def session():
         async with opened() as (_, ear):
             Driver.latest.waits = False
-            await asyncio.sleep(0.1)
-            Driver.latest.polls = 0
-            await asyncio.sleep(0.2)
+            for _ in range(25):  # on a busy machine it takes a while to notice
+                Driver.latest.polls = 0
+                await asyncio.sleep(0.2)
+                if Driver.latest.polls <= 20:
+                    break
             assert Driver.latest.polls <= 20
             Driver.latest.script.put(message(HEADING))
             await until(lambda: ear.frames == [HEADING])

@@ -102,6 +102,7 @@ def test_a_value_of_one_digit_is_read():
         "hello",
         f"{NOON},2,127250,7,255,8,ff,10,3b",
         f"{NOON},2,127250,7,255,0",
+        f"{NOON},2,127250,7,255,-1,ff,10",
         f"{NOON},9,127250,7,255,1,ff",
         f"{NOON},2,59905,7,255,1,ff",
         f"{NOON},2,x,7,255,1,ff",

@@ -6,7 +6,7 @@ from random import Random
 import pytest
 
 from benchmarks.channel import byte_loss, realistic, traffic
-from benchmarks.framing import PARSERS, study
+from benchmarks.framing import PARSERS, orders, study
 from tests.unit.rover.lengths import ALL, DOWN, UP
 from timonel.errors import EncodeError
 from timonel.vehicles.rover.framing import DIALECTS, Counters, Framer, Hal062, Strzyga, StrzygaCrc
@@ -96,9 +96,7 @@ def test_skipped_bytes_in_two_places_are_two_resynchronisations() -> None:
     framer = Strzyga(UP)
     for portion in (b"\xff", b"\xff" + strzyga(PERMIT, STOP), b"\xff", b"\xff", strzyga(PERMIT) + b"#"):
         framer.receive(portion, 0.0)
-    assert framer.counters == Counters(frames=3, skipped=4, rejected=1, resynchronised=2) or (
-        framer.counters == Counters(frames=2, skipped=7, rejected=1, resynchronised=2)
-    )
+    assert framer.counters == Counters(frames=2, skipped=7, rejected=1, resynchronised=2)
 
 
 def test_half_a_frame_waits_longer_than_an_adapter_keeps_bytes_back() -> None:
@@ -244,3 +242,10 @@ def test_at_one_percent_of_lost_bytes_the_specified_figures_are_met() -> None:
     naive = study(sent, PARSERS["naive"], byte_loss(1e-2))
     assert 55 < naive.false_per_1000 < 75
     assert 5.5 < naive.lost_percent < 7.5
+
+
+@pytest.mark.parametrize("name", ["strzyga", "strzyga-crc"])
+def test_at_one_percent_of_lost_bytes_no_set_point_is_executed_that_was_never_sent(name: str) -> None:
+    made = orders(name, 20_000)
+    assert made.invented == 0
+    assert made.taken > 18_000

@@ -154,10 +154,26 @@ def test_a_new_commander_has_its_own_two_seconds():
 
 
 def test_a_request_left_unanswered_is_granted_or_denied_as_configured():
-    for policy, commander in ((OnTimeout.TRANSFER, 2), (OnTimeout.DENY, 1)):
+    for policy, commander in ((OnTimeout.TRANSFER, 3), (OnTimeout.DENY, 2)):
         helm = Helm(0.0, request_timeout=1.0, on_timeout=policy)
-        helm.stick(REST, 1, 0.0)
         helm.stick(REST, 2, 0.0)
-        helm.heard(1, 0.9)
+        helm.stick(REST, 3, 0.0)
+        helm.heard(2, 0.9)
         run(helm, 1.0)
         assert helm.transfer.commander == commander
+
+
+def test_a_bridge_that_speaks_is_never_asked_out_of_command():
+    helm = Helm(0.0, request_timeout=1.0)
+    helm.stick(REST, 2, 0.0)
+    helm.stick(REST, 1, 0.0)
+    helm.stick(REST, 2, 0.1)
+    helm.heard(1, 1.0)
+    assert of(Denied, run(helm, 1.1)) == [Denied(2)]
+    assert helm.transfer.commander == 1
+    helm.say(Verb.RELEASE, 1, 1.2)
+    helm.stick(REST, 2, 1.2)
+    helm.stick(REST, 3, 1.3)
+    helm.heard(2, 2.2)
+    run(helm, 2.3)
+    assert helm.transfer.commander == 3, "the policy is the configured one again"

@@ -13,16 +13,15 @@ from timonel.vehicles.rover.physics import (
     FULL_TURN,
     GRIP,
     HOT,
-    IDLE_CURRENT,
     LEVER,
     POWER_LIMIT,
     RADIUS,
     RAMP,
-    TORQUE_CONSTANT,
     TRACK,
     Battery,
     Body,
     Wheel,
+    torque_of,
 )
 
 DT = 0.02
@@ -40,7 +39,7 @@ class Chassis:
         """`left` and `right` are shares of full speed."""
         for _ in range(round(seconds / DT)):
             forces = [
-                sum(self.push(wheel, order, ground, current_limit, power_limit) for wheel in wheels)
+                sum(self.push(wheel, order, ground, torque_of(current_limit), power_limit) for wheel in wheels)
                 for wheels, order, ground in (
                     (self.left, left, self.body.left),
                     (self.right, right, self.body.right),
@@ -49,9 +48,9 @@ class Chassis:
             self.body.move(*forces, DT)
         return self
 
-    def push(self, wheel, order, ground, current_limit, power_limit):
+    def push(self, wheel, order, ground, torque_limit, power_limit):
         wheel.follow(order * FULL_TURN, DT)
-        return wheel.push(ground, current_limit, power_limit, DT)
+        return wheel.push(ground, torque_limit, power_limit, DT)
 
     @property
     def wheels(self):
@@ -153,14 +152,14 @@ def test_a_stalled_wheel_draws_up_to_its_limit_and_does_not_turn():
 
 def test_a_stalled_wheel_drags_with_all_its_grip():
     wheel = Wheel(AIR, powered=False, stalled=True)
-    assert wheel.push(1.0, CURRENT_LIMIT, POWER_LIMIT, DT) == -GRIP
-    assert wheel.push(-1.0, CURRENT_LIMIT, POWER_LIMIT, DT) == GRIP
-    assert wheel.push(0.0, CURRENT_LIMIT, POWER_LIMIT, DT) == 0
+    assert wheel.push(1.0, torque_of(CURRENT_LIMIT), POWER_LIMIT, DT) == -GRIP
+    assert wheel.push(-1.0, torque_of(CURRENT_LIMIT), POWER_LIMIT, DT) == GRIP
+    assert wheel.push(0.0, torque_of(CURRENT_LIMIT), POWER_LIMIT, DT) == 0
 
 
 def test_no_wheel_pushes_harder_than_it_grips():
     wheel = Wheel(AIR, order=FULL_TURN)
-    assert wheel.push(-FULL_SPEED, CURRENT_LIMIT, POWER_LIMIT, DT) == pytest.approx(GRIP)
+    assert wheel.push(-FULL_SPEED, torque_of(CURRENT_LIMIT), POWER_LIMIT, DT) == pytest.approx(GRIP)
 
 
 @pytest.mark.parametrize(("limit", "value"), [("current_limit", 1.5), ("power_limit", 10.0)])
@@ -181,7 +180,7 @@ def test_a_current_limit_is_not_exceeded():
 
 def taking(current):
     """A motor that pushes as hard as `current` lets it, in A."""
-    wheel = Wheel(AIR, order=1.0, torque=TORQUE_CONSTANT * (current - IDLE_CURRENT))
+    wheel = Wheel(AIR, order=1.0, torque=torque_of(current))
     assert wheel.current == pytest.approx(current)
     return wheel
 

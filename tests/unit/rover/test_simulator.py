@@ -334,6 +334,14 @@ def test_drivers_run_while_they_are_told_to_move():
     assert of(MotorDriverStatusRight, drive(rover, 0, 0, 1))[-1].status == DriverState.STOPPED
 
 
+def test_drivers_run_from_a_permission_to_a_stop():
+    rover = SimulatedRover()
+    rover.receive(frame(DriveEnable(code=DriveCode.PERMIT)))
+    assert of(MotorDriverStatusLeft, drive(rover, 0, 0, 1))[-1].status == DriverState.RUNNING
+    rover.receive(frame(DriveEnable(code=DriveCode.STOP)))
+    assert of(MotorDriverStatusLeft, drive(rover, 0, 0, 1))[-1].status == DriverState.STOPPED
+
+
 def test_motors_warm_with_work():
     rover = SimulatedRover()
     order(rover, 100, -100)

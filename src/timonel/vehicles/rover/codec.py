@@ -61,7 +61,7 @@ class Part(msgspec.Struct, frozen=True):
             f"if not {lowest!r} <= {self.name} <= {highest!r}{taken}:",
             " raise _refusal(_self)",
         ]
-        if not self.signal.special:
+        if not self._said:
             return [f"_v = _self.{self.name}", *formula]
         return [
             f"_v = _self.{self.name}",
@@ -72,21 +72,24 @@ class Part(msgspec.Struct, frozen=True):
         ]
 
     @property
+    def _said(self) -> dict[float | None, float]:
+        """Raw values by what they mean, where the formula does not hold."""
+        return {value: raw for raw, value in self.signal.special} | ({None: math.nan} if self.signal.real else {})
+
+    @property
     def scope(self) -> dict[str, Any]:
         """What the lines refer to."""
-        special = dict(self.signal.special)
         return {
-            f"_special_{self.name}": special,
-            f"_said_{self.name}": {value: raw for raw, value in special.items()},
+            f"_special_{self.name}": dict(self.signal.special),
+            f"_said_{self.name}": self._said,
             f"_code_{self.name}": Table(self.signal.codes) if self.signal.codes else None,
         }
 
     def fault(self, value: Any) -> str | None:
         """Why a value cannot be sent."""
-        said = [meaning for _, meaning in self.signal.special]
-        if value in said:
+        if value in list(self._said):
             return None
-        if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
+        if not isinstance(value, int | float) or math.isnan(value):
             return f"{value!r} is not a number"
         if self.counted and not isinstance(value, int):
             return f"{value!r} is not a whole number"
@@ -180,4 +183,4 @@ def _refusal(parts: tuple[Part, ...], frame: RoverFrame) -> EncodeError:
     for part in parts:
         if fault := part.fault(getattr(frame, part.name)):
             return EncodeError(f"{part.name}: {fault}")
-    return EncodeError(f"{type(frame).__name__}: {frame} is what is sent when there is nothing")
+    return EncodeError(f"{type(frame).__name__}: {frame} cannot be told from having no values")

@@ -32,8 +32,8 @@ Wrong = Callable[[str, str], None]
 
 FREE = {"the platform's own": range(121, 160), "the manipulator": range(160, 200), "the laboratory": range(200, 240)}
 HIGHEST_RATE = 50  # Hz, of any frame on the bus
-CLASS_NAME = re.compile(r"[A-Z][A-Za-z0-9]*")
-FIELD_NAME = re.compile(r"[a-z][a-z0-9_]*")
+CLASS_NAME = re.compile(r"[A-Z][A-Za-z0-9]{0,31}")  # as long as a DBC name may be
+FIELD_NAME = re.compile(r"[a-z][a-z0-9_]{0,31}")
 FRAME_KEYS: Table = {
     "id": int,
     "name": str,

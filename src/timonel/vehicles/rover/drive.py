@@ -1,7 +1,8 @@
 """What makes the wheels turn, and above all what stops them. A pure machine.
 
 Only the commander's stick and permission reach this machine (`helm` sees to that); a stop reaches it from anybody.
-Times are in s, sticks and set points in percent. Rules (spec/rover.md, Driving):
+Times are in s, sticks and set points in percent. Ages count from the last byte of a frame, not from the silence that
+proved it. Rules (spec/rover.md, Driving):
 
 input                     accepted when                       effect
 stick                     within +-100                        set points, while permitted
@@ -102,16 +103,16 @@ class Drive:
 
     # What the commander says ----------------------------------------------------------------------
 
-    def heard(self, now: float) -> None:
-        """Any frame came in from the commander's link."""
-        self._heard = now
+    def heard(self, now: float, age: float = 0.0) -> None:
+        """Any frame came in from the commander's link, `age` s ago."""
+        self._heard = now - age
 
-    def stick(self, stick: Stick, station: int, now: float) -> list[Event]:
-        """The commander's stick. What is out of range is refused, never clipped into motion."""
+    def stick(self, stick: Stick, station: int, now: float, age: float = 0.0) -> list[Event]:
+        """The commander's stick, `age` s old. What is out of range is refused, never clipped into motion."""
         if not (-FULL <= stick.y <= FULL and -FULL <= stick.x <= FULL):
             return [Refused("stick out of range", station)]
         self._stick = stick
-        self._stick_heard = now
+        self._stick_heard = now - age
         halts = self.wheels(now) == STANDSTILL != self._said  # a stop is never held back
         if not self.permitted or not (halts or self._pace.open(now)):
             return []

@@ -2,7 +2,7 @@
 
 Source: spec/rover.md, Frames; rates are ours (the original says: fixed intervals, at most 50 Hz). What is positive:
 forward, starboard (the stick's `y`), east and north. Axes of the sensors are x forward, y to the left, z up, so that a
-rover at rest on level ground reads z = +1 g. [ours]
+rover at rest on level ground reads z = +1 g (ours).
 """
 
 from typing import Annotated
@@ -54,8 +54,8 @@ class BatteryState(Code):
 class DriveCommand(RoverFrame, frame=100, to=Party.ROVER, sender="operator", rate=50):
     """Frame 100: the joystick, -100..100. `x` = -100 is full forward, `y` = 100 full right; 0, 0 is rest.
 
-    The axes are those of SDL and the Gamepad API [ours]. What is out of range is read as it is; the driving machine
-    refuses it.
+    The axes are those of SDL and the Gamepad API. What is out of range is read as it is; the driving machine refuses
+    it.
     """
 
     y: Annotated[int | None, Percent()]
@@ -143,7 +143,7 @@ class BatteryTemperature(RoverFrame, frame=109, to=Party.OPERATOR, sender="BMS",
 
 
 class GpsPosition(RoverFrame, frame=110, to=Party.OPERATOR, sender="controller", rate=5, valid=A_FIX):
-    """Frame 110: position in degrees, east and north positive [ours]. Both are None without a fix.
+    """Frame 110: position in degrees, east and north positive. Both are None without a fix.
 
     No fix is (0, 0), what is no number, and what is no place on Earth. A step of the wire's 32-bit numbers is 0.4 m at
     52 degrees.

@@ -7,6 +7,9 @@ frame                from the bridge (station 1)    from another station
 101, anything else   stops the drives               stops the drives
 115, 119, 120        counts if in command           counts if in command
 
+A request that the bridge leaves unanswered is denied, as each of its frames 100 and 101 takes command anew; one that
+another commander leaves unanswered passes or is denied, as configured.
+
 Explicit words come from consoles and programs by `say`. A commander that is silent for 2 s is released: unlike a
 boat a rover stands still then, and somebody else may take over.
 """
@@ -30,29 +33,30 @@ class Helm:
         self.transfer = CommandTransfer(timeout=request_timeout, on_timeout=on_timeout)
         self.drive = Drive(now)
         self._heard = now
+        self._on_timeout = on_timeout
 
     # What stations say ----------------------------------------------------------------------------
 
-    def heard(self, station: int, now: float) -> list[Event]:
-        """Any frame came in from the link of `station`."""
+    def heard(self, station: int, now: float, age: float = 0.0) -> list[Event]:
+        """Any frame came in from the link of `station`, `age` s ago."""
         effects = self.expire(now)
         if station == self.transfer.commander:
-            self._heard = now
-            self.drive.heard(now)
+            self._heard = now - age
+            self.drive.heard(now, age)
         return effects
 
-    def stick(self, stick: Stick, station: int, now: float) -> list[Event]:
+    def stick(self, stick: Stick, station: int, now: float, age: float = 0.0) -> list[Event]:
         """Frame 100."""
-        effects = self._claim(station, now)
+        effects = self._claim(station, now, age)
         if station != self.transfer.commander:
             return effects
-        return effects + self.drive.stick(stick, station, now)
+        return effects + self.drive.stick(stick, station, now, age)
 
-    def permission(self, granted: bool, station: int, now: float) -> list[Event]:
+    def permission(self, granted: bool, station: int, now: float, age: float = 0.0) -> list[Event]:
         """Frame 101: motion is permitted, or stopped."""
         if not granted:
             return self.expire(now) + self.drive.stop(Stop.ORDERED, now)
-        effects = self._claim(station, now)
+        effects = self._claim(station, now, age)
         if station != self.transfer.commander:
             return effects
         return effects + self.drive.permit(station, now)
@@ -68,9 +72,9 @@ class Helm:
         """An explicit word about command."""
         return self.expire(now) + self._passed(self.transfer.receive(verb, station, now), now)
 
-    def _claim(self, station: int, now: float) -> list[Event]:
+    def _claim(self, station: int, now: float, age: float) -> list[Event]:
         """What a drive or permission frame says about command, by being sent at all."""
-        effects = self.heard(station, now)
+        effects = self.heard(station, now, age)
         if station == self.transfer.commander or station in self.transfer.queue:
             return effects
         verb = Verb.TAKE if station == BRIDGE else Verb.REQUEST
@@ -80,9 +84,14 @@ class Helm:
         for effect in effects:
             if isinstance(effect, Transferred):
                 self._heard = now
+                self.transfer.on_timeout = self._policy(self.transfer.commander)
                 found = [] if effect.commander == NOBODY else self.alerts.rectify(LINK_LOST)
                 return effects + found + self.drive.passes(now)
         return effects
+
+    def _policy(self, commander: int) -> OnTimeout:
+        """What an unanswered request comes to. A bridge that does not speak either is lost long before."""
+        return OnTimeout.DENY if commander == BRIDGE else self._on_timeout
 
     # Time -----------------------------------------------------------------------------------------
 

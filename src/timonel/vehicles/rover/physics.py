@@ -29,7 +29,7 @@ LEVER = TRACK * SLIP / 2  # m
 HARD_GROUND = 0.10  # rolling friction; sand has 0.3
 SCRUB = 50.0  # N m, of six wheels that skid sideways
 GRIP = 0.7 * MASS * GRAVITY / 6  # N, of one wheel
-STIFFNESS = 380.0  # N per m/s of slip, of one wheel
+SLOPE = 380.0 * RADIUS  # N m of torque per m/s of slip, of one wheel
 
 GAIN = 1.5  # N m per rad/s of error
 RESET = 4.0  # N m per rad of error
@@ -84,39 +84,32 @@ class Wheel(msgspec.Struct):
         grows = self.order + RAMP * dt if order > 0 else self.order - RAMP * dt
         self.order = order if abs(order) <= abs(grows) else grows
 
-    def push(self, ground: float, current_limit: float, power_limit: float, dt: float) -> float:
+    # Three hundred times a second of simulated time.
+    def push(self, ground: float, torque_limit: float, power_limit: float, dt: float) -> float:
         """The force on the body in N, while the ground passes at `ground` m/s."""
         if not self.powered:
             self.torque = self.reset = 0.0
             self.speed = 0.0 if self.stalled else ground / RADIUS
-            return self._drag(ground) if self.stalled else 0.0
-        current_limit = max(0.0, current_limit - IDLE_CURRENT)
-        limit = min(current_limit * TORQUE_CONSTANT, power_limit / max(abs(self.speed), 0.5))
-        return self._stall(ground, limit, dt) if self.stalled else self._roll(ground, limit, dt)
+            return _drag(ground) if self.stalled else 0.0
+        grip = torque_limit if self.stalled else GRIP * RADIUS
+        limit = min(grip, torque_limit, power_limit / max(abs(self.speed), 0.5))
+        force = self._stall(ground, limit) if self.stalled else self._roll(ground, limit)
+        # a wheel that shall stand is braked, not held
+        self.reset = _clamp(self.reset + RESET * (self.order - self.speed) * dt, limit) if self.order else 0.0
+        return force
 
-    def _roll(self, ground: float, limit: float, dt: float) -> float:
-        """Controller and tyre balance: gain (order - speed) + reset = stiffness radius (radius speed - ground)."""
-        limit = min(limit, GRIP * RADIUS)
-        slip = STIFFNESS * RADIUS
-        free = (GAIN * self.order + self.reset + slip * ground) / (slip * RADIUS + GAIN)
-        self.torque = _clamp(slip * (RADIUS * free - ground), limit)
-        self.speed = (ground + self.torque / slip) / RADIUS
-        self._integrate(limit, dt)
+    def _roll(self, ground: float, limit: float) -> float:
+        """Controller and tyre balance: gain (order - speed) + reset = slope (radius speed - ground)."""
+        free = (GAIN * self.order + self.reset + SLOPE * ground) / (SLOPE * RADIUS + GAIN)
+        self.torque = _clamp(SLOPE * (RADIUS * free - ground), limit)
+        self.speed = (ground + self.torque / SLOPE) / RADIUS
         return self.torque / RADIUS
 
-    def _stall(self, ground: float, limit: float, dt: float) -> float:
+    def _stall(self, ground: float, limit: float) -> float:
         """The motor pushes all it may, and the tyre skids."""
         self.torque = _clamp(GAIN * self.order + self.reset, limit)
         self.speed = 0.0
-        self._integrate(limit, dt)
-        return self._drag(ground)
-
-    def _integrate(self, limit: float, dt: float) -> None:
-        """A wheel that shall stand is braked, not held."""
-        self.reset = _clamp(self.reset + RESET * (self.order - self.speed) * dt, limit) if self.order else 0.0
-
-    def _drag(self, ground: float) -> float:
-        return -GRIP * _clamp(ground / 0.02, 1.0)
+        return _drag(ground)
 
     @property
     def current(self) -> float:
@@ -222,6 +215,16 @@ class Battery(msgspec.Struct):
         """Voltage from the pack's minus to above each cell, in V, as frame 108 has it."""
         cells = self.cells
         return [sum(cells[: n + 1]) for n in range(CELLS)]
+
+
+def torque_of(current: float) -> float:
+    """The torque of a motor in N m that takes `current` in A."""
+    return max(0.0, current - IDLE_CURRENT) * TORQUE_CONSTANT
+
+
+def _drag(ground: float) -> float:
+    """The force of a tyre that does not turn."""
+    return -GRIP * _clamp(ground / 0.02, 1.0)
 
 
 def _open_circuit(charge: float) -> float:

@@ -64,6 +64,7 @@ from timonel.vehicles.rover.physics import (
     Battery,
     Body,
     Wheel,
+    torque_of,
 )
 from timonel.vehicles.rover.protocol import Protocol
 
@@ -120,6 +121,7 @@ class MotorBoard:
         self.wheels = [Wheel(AIR) for _ in range(3)]
         self.setpoints = STANDSTILL
         self.permitted = True
+        self.started = False
         self.supplied = True
         self.connected = True
         self._timeout = timeout
@@ -132,7 +134,7 @@ class MotorBoard:
 
     def permit(self, permitted: bool) -> None:
         """A stop is not taken back by a permission: set points must come anew."""
-        self.permitted = permitted
+        self.permitted = self.started = permitted
         if not permitted:
             self.setpoints = STANDSTILL
 
@@ -141,7 +143,7 @@ class MotorBoard:
         """Whether its motors can have torque at all."""
         return self.supplied and self.connected and not self._tripped
 
-    def push(self, ground: float, current_limit: float, power_limit: float, time: float) -> float:
+    def push(self, ground: float, torque_limit: float, power_limit: float, time: float) -> float:
         """The force of the side on the body in N, for one tick."""
         if self._timeout is not None and time - self._heard >= self._timeout:
             self.setpoints = STANDSTILL
@@ -149,7 +151,7 @@ class MotorBoard:
         for wheel, setpoint in zip(self.wheels, self.setpoints, strict=True):
             wheel.powered = powered
             wheel.follow(setpoint * FULL_TURN / 100 if powered else 0.0, TICK)
-            force += wheel.push(ground, current_limit, power_limit, TICK)
+            force += wheel.push(ground, torque_limit, power_limit, TICK)
         return force
 
     def warm(self, dt: float) -> None:
@@ -161,12 +163,12 @@ class MotorBoard:
 
     @property
     def status(self) -> DriverState:
-        """As frames 116 and 117 have it: running is being permitted and asked to move."""
+        """As frames 116 and 117 have it: running is being started by a permission, or turning without one."""
         if not self.supplied:
             return DriverState.NO_SUPPLY
         if self._tripped:
             return DriverState.FAULT
-        return DriverState.RUNNING if any(self.setpoints) else DriverState.STOPPED
+        return DriverState.RUNNING if self.started or any(self.setpoints) else DriverState.STOPPED
 
 
 class Gps:
@@ -229,7 +231,7 @@ class SimulatedRover:
         self._hard_iron = hard_iron
         self._protocol = Protocol(calibration)
         self._slowest = _slowest(calibration)
-        self._power_limit, self._current_limit = POWER_LIMIT, CURRENT_LIMIT
+        self._power_limit, self._torque_limit = POWER_LIMIT, torque_of(CURRENT_LIMIT)
         self._ticks = 0
         self._owed = 0.0  # s of simulation not yet run
         self._faults: set[Fault] = set()
@@ -294,7 +296,7 @@ class SimulatedRover:
             case PowerLimit(steps=int(steps)) if 1 <= steps <= 20:
                 self._power_limit = POWER_LIMIT * steps / 20
             case CurrentLimit(steps=int(steps)) if 1 <= steps <= 200:
-                self._current_limit = CURRENT_LIMIT * steps / 200
+                self._torque_limit = torque_of(CURRENT_LIMIT * steps / 200)
             case _ if frame.identifier in HEEDED:
                 self.rejected[frame.identifier] += 1
 
@@ -315,7 +317,7 @@ class SimulatedRover:
     # --- motion -------------------------------------------------------------------------------------------------------
 
     def _move(self) -> None:
-        body, limits = self.body, (self._current_limit, self._power_limit, self.time)
+        body, limits = self.body, (self._torque_limit, self._power_limit, self.time)
         body.move(self.left.push(body.left, *limits), self.right.push(body.right, *limits), TICK)
         if self._ticks % WARMING == 0:
             self._warm(WARMING * TICK)

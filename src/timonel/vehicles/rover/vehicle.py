@@ -35,6 +35,7 @@ from timonel.vehicles.rover.frames import (
 from timonel.vehicles.rover.framing import DIALECTS, Framer
 from timonel.vehicles.rover.helm import Helm
 from timonel.vehicles.rover.protocol import Protocol
+from timonel.vehicles.rover.segments import SINGLE, Joiner, split
 from timonel.vehicles.rover.settings import Port, RoverSettings
 from timonel.vehicles.rover.watch import Watch
 
@@ -70,6 +71,11 @@ class Rover:
         self._telemetry = protocol.lengths(Party.OPERATOR)
         self._stations = {port.name: port.station for port in ports}
         self._framers = {port.name: self._framer() for port in ports}
+        self._crosses_whole = settings.role == "operator"  # on a UART a frame is as long as it likes
+        self._segmented = {
+            number: size for number, size in self._telemetry.items() if protocol.declarations[number].SEGMENTED
+        }
+        self._joiner = Joiner(self._segmented)
         self._paces: dict[int, Pace] = {}
         self._limits: dict[int, bytes] = {}
         self._limits_due = now + LIMITS_PERIOD
@@ -94,23 +100,26 @@ class Rover:
     def receive_bytes(self, port: str, data: bytes, now: float) -> list[Effect]:
         """Bytes came in on a station's port, in any portions."""
         effects = self._overdue(now)
-        return effects + self._receive(port, self._framers[port].receive(data, now), now)
+        framer = self._framers[port]
+        came = framer.heard if framer.waiting else now  # what waits may be a whole frame that only now is proved
+        return effects + self._receive(port, framer.receive(data, now), came, now)
 
-    def _receive(self, port: str, frames: list[tuple[int, bytes]], now: float) -> list[Effect]:
+    def _receive(self, port: str, frames: list[tuple[int, bytes]], came: float, now: float) -> list[Effect]:
+        """Frames whose last byte came in at `came`: a set point is as old as that, not as its proof."""
         effects: list[Effect] = []
         for identifier, data in frames:
-            effects += self._obey(self._stations[port], identifier, data, now)
+            effects += self._obey(self._stations[port], identifier, data, now - came, now)
         return effects
 
-    def _obey(self, station: int, identifier: int, data: bytes, now: float) -> list[Effect]:
+    def _obey(self, station: int, identifier: int, data: bytes, age: float, now: float) -> list[Effect]:
         """One frame of a station."""
         match identifier:
             case DriveCommand.FRAME:
                 stick = Stick(signed(data[0]), signed(data[1]))
-                return self._tell(self.helm.stick(stick, station, now), now)
+                return self._tell(self.helm.stick(stick, station, now, age), now)
             case DriveEnable.FRAME:
-                return self._tell(self.helm.permission(data == PERMIT, station, now), now)
-        heard = self._tell(self.helm.heard(station, now), now)
+                return self._tell(self.helm.permission(data == PERMIT, station, now, age), now)
+        heard = self._tell(self.helm.heard(station, now, age), now)
         if station != self.helm.transfer.commander:
             return [*heard, *self._tell([Refused("not in command", station)], now)]
         if identifier in LIMITS:
@@ -131,14 +140,18 @@ class Rover:
         if not self._within_ceiling(identifier, now):
             self.counters["frames beyond 50 Hz"] += 1
             return []
-        return [self._transmit(identifier, data)]
+        if self._crosses_whole or len(data) <= SINGLE:
+            return [self._transmit(identifier, data)]
+        return [self._transmit(identifier, half) for half in split(data)]
 
     def port_changed(self, port: str, connected: bool, now: float) -> list[Effect]:
         """A link came or went. Without its commander's link a rover does not wait for silence to stop."""
         if port not in self._stations:
             return []
         effects = self._overdue(now)
-        self._framers[port] = self._framer()
+        counters = self._framers[port].counters
+        self._framers[port] = self._framer()  # half a frame is not finished by who comes next
+        self._framers[port].counters = counters
         if connected or self._stations[port] != self.helm.transfer.commander:
             return effects
         return effects + self._tell(self.drive.stop(Stop.UNPLUGGED, now), now)
@@ -153,15 +166,22 @@ class Rover:
             length = self._telemetry.get(frame.identifier)
             if length is None or frame.extended:
                 effects += self._stranger(frame)
-            elif len(frame.data) != length:
-                effects += self._reject("wrong length", frame)
-            else:
+            elif len(frame.data) == length:
                 effects += self._report(frame.identifier, frame.data, now)
+            elif frame.identifier in self._segmented:
+                effects += self._join(frame, now)
+            else:
+                effects += self._reject("wrong length", frame)
         return effects
 
     def receive_message(self, identifier: int, payload: bytes, now: float) -> list[Effect]:
         """A whole message, longer than a CAN frame."""
         return self.receive_frames([Frame(identifier, payload, extended=False)], now)
+
+    def _join(self, frame: Frame, now: float) -> list[Effect]:
+        whole = self._joiner.receive(frame.identifier, frame.data, now)
+        self.counters["halves without their partner"] = self._joiner.dropped
+        return [] if whole is None else self._report(frame.identifier, whole, now)
 
     def _report(self, identifier: int, data: bytes, now: float) -> list[Effect]:
         """Telemetry: to every link, and to the watch."""
@@ -169,7 +189,9 @@ class Rover:
         message = self.protocol.decode(identifier, data)
         if message is not None:
             effects += self._tell(self._watch.hear(message, now), now)
-        if self._within_ceiling(identifier, now):
+        if len(data) > self._dialect.LONGEST:
+            self.counters["frames too long for the dialect"] += 1
+        elif self._within_ceiling(identifier, now):
             effects.append(Say(self._dialect.write(identifier, data), str(identifier)))
         return effects
 
@@ -205,7 +227,7 @@ class Rover:
         effects: list[Effect] = []
         for port, framer in self._framers.items():
             if now >= framer.deadline:
-                effects += self._receive(port, framer.expire(now), now)
+                effects += self._receive(port, framer.expire(now), framer.heard, now)
         effects += self._tell(self.helm.expire(now), now)
         if self._watches_bus and now >= self._bus_heard + SILENT:
             effects += self._tell(self.drive.stop(Stop.ROVER_SILENT, now), now)

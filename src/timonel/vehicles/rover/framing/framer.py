@@ -57,7 +57,18 @@ class Framer(ABC):
     left out. `idle` and `patience` are in s. Nothing that is received raises.
     """
 
-    __slots__ = ("_adrift", "_candidate", "_closed", "_idle", "_open", "_patience", "_rest", "counters", "deadline")
+    __slots__ = (
+        "_adrift",
+        "_candidate",
+        "_closed",
+        "_idle",
+        "_open",
+        "_patience",
+        "_rest",
+        "counters",
+        "deadline",
+        "heard",
+    )
 
     LONGEST: ClassVar[int] = 255
     """Most data bytes that a frame can carry."""
@@ -70,6 +81,8 @@ class Framer(ABC):
         self.counters = Counters()
         self.deadline = math.inf
         """When `expire` is due; infinite if nothing waits."""
+        self.heard = -math.inf
+        """When the last byte came in, s; what waits came then at the latest."""
         self._idle = idle
         self._patience = patience
         self._rest = b""
@@ -93,6 +106,7 @@ class Framer(ABC):
         """The frames that `data` completes or proves, in order; `now` in s, never going back."""
         frames = self.expire(now)
         if data:
+            self.heard = now
             frames += self._take(self._open, self._rest + data)
             self.deadline = now + self._wait() if self._rest else math.inf
         return frames
@@ -166,7 +180,8 @@ class Framer(ABC):
     def _skip(self, data: bytes, start: int, end: int) -> None:
         self._adrift = True
         self.counters.skipped += end - start
-        self.counters.rejected += sum(match.start() < end for match in self._candidate.finditer(data, start))
+        candidates = self._candidate.finditer(data, start, end + 2)  # an id has up to two characters
+        self.counters.rejected += sum(match.start() < end for match in candidates)
 
 
 def check(number: int, data: bytes, longest: int) -> None:

@@ -2,8 +2,8 @@
 
 The CRC is CRC-16/CCITT-FALSE (polynomial 0x1021, initially 0xFFFF, nothing reflected or inverted; of "123456789"
 it is 0x29B1) over id and data. It is sent high byte first, unlike the numbers in the data: so the CRC over id,
-data and CRC together is 0, and errors within any two neighbouring bytes of them are always found. A frame is emitted with
-its last byte; nothing needs to follow.
+data and CRC together is 0, and errors within any two neighbouring bytes of them are always found. A frame is
+emitted with its last byte; nothing needs to follow.
 
 Source: spec/rover.md, Framing without a check sum (the order of the two bytes is ours).
 """
