@@ -19,7 +19,7 @@ demo: $(VENV)/run
 	$(BIN)/timonel demo
 
 test: $(VENV)/dev lint
-	scripts/debian.sh gpsd gpsd-clients
+	scripts/debian.sh gpsd gpsd-clients gcc libc6-dev
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow"
 
 test-all: test mutation

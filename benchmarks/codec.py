@@ -10,18 +10,19 @@ import argparse
 import json
 import logging
 import os
-import subprocess
 from collections.abc import Callable
 from timeit import Timer
 from typing import Any
 
+import cantools.database
+import cantools.database.can
 import numpy as np
 import pynmea2
 from nmea2000.decoder import NMEA2000Decoder
 from nmea2000.encoder import create_encoder
 from nmea2000.input_formats import N2KFormat
 
-from benchmarks.peers import HERE, with_package
+from benchmarks.peers import HERE
 from benchmarks.processes import PROGRAM
 from benchmarks.table import table
 from timonel.core.columns import columns
@@ -36,7 +37,6 @@ ROUNDS = 400
 RUNS = 200  # of one thing in a round
 MANY = 100_000
 SOURCE = 34
-CANTOOLS = "cantools==45.1.0"
 
 HEADING = VesselHeading(sid=1, heading=1.2345, deviation=-0.0123, variation=0.0367, reference=HeadingReference.MAGNETIC)
 TRACK = HeadingTrackControl(steering_mode=SteeringMode.HEADING_CONTROL, heading_to_steer_course=1.5)
@@ -108,14 +108,16 @@ def _parser(line: bytes) -> Run:
     return run
 
 
-def cantools() -> dict[str, float]:
-    """In an environment of its own; nothing if it cannot be had."""
-    python = with_package(CANTOOLS)
-    if python is None:
-        return {}
-    command = [str(python), str(HERE / "dbc.py"), HEADING.encode().hex()]
-    found: dict[str, float] = json.loads(subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout)
-    return {f"{name} 127250": value for name, value in found.items()}
+def dbc() -> dict[str, Run]:
+    """cantools, on the same layout as a DBC."""
+    database = cantools.database.load_file(HERE / "vessel_heading.dbc")
+    assert isinstance(database, cantools.database.can.Database)
+    identifier, payload = database.messages[0].frame_id, HEADING.encode()
+    values = database.decode_message(identifier, payload)
+    return {
+        "decode 127250": lambda: database.decode_message(identifier, payload),
+        "encode 127250": lambda: database.encode_message(identifier, values, padding=True),
+    }
 
 
 def best(what: dict[str, Run]) -> dict[str, float]:
@@ -137,12 +139,12 @@ def columns_ns() -> float:
 
 def measure() -> dict[str, dict[str, float]]:
     """Every figure by what it is of, then by who."""
-    mine, theirs, dbc = best(ours()), best(nmea2000()), cantools()
+    mine, theirs, database = best(ours()), best(nmea2000()), best(dbc())
     rows = {name: {"timonel": value} for name, value in mine.items()}
     rows["columns of 127250, a message"] = {"timonel": columns_ns()}
     for name, value in theirs.items():
         rows[name] |= {"nmea2000/pynmea2": value, "ratio": value / mine[name]}
-    for name, value in dbc.items():
+    for name, value in database.items():
         rows[name]["cantools"] = value
     return rows
 

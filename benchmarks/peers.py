@@ -1,13 +1,12 @@
 """The other programs that do the same work, and how they get here.
 
-What the development environment does not have is installed outside the source tree, in versions that stand here.
+The Python packages are in the development environment; npm installs the JavaScript ones, outside the source tree.
 """
 
 import os
 import shutil
 import subprocess
 import sys
-import venv
 from pathlib import Path
 
 import msgspec
@@ -51,16 +50,3 @@ def _node_modules() -> Path | None:
             print("npm could not install the Signal K programs; they are left out", file=sys.stderr)
             return None
     return directory / "node_modules"
-
-
-def with_package(requirement: str) -> Path | None:
-    """The Python of an environment with `requirement`; None where it cannot be had."""
-    directory = CACHE / requirement
-    python = directory / "bin" / "python"
-    if not (directory / "complete").exists():
-        venv.create(directory, with_pip=True, clear=True)
-        if subprocess.run([python, "-m", "pip", "install", "-qq", requirement]).returncode:
-            print(f"{requirement} could not be installed; it is left out", file=sys.stderr)
-            return None
-        (directory / "complete").touch()
-    return python

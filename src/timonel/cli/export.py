@@ -5,9 +5,11 @@ from typing import TextIO
 import click
 
 from timonel.gateway import own_frames
+from timonel.gateway.configuration import load
 from timonel.interop import dbc
 from timonel.vehicles.rover import reference
 from timonel.vehicles.rover.calibration import CALIBRATIONS
+from timonel.vehicles.rover.protocol import Protocol
 
 KINDS = {"dbc": dbc.export, "markdown": reference.page}
 
@@ -25,5 +27,16 @@ def export(what: str, output: TextIO, config: str | None, frames: str | None, ca
 
     From a DBC file frames of more than 8 bytes are left out; a comment in it names them.
     """
-    text = KINDS[what](own_frames.protocol(config, frames, calibration))
+    protocol = configured(config) if config else Protocol()
+    own = own_frames.load(frames) if frames else protocol.own
+    constants = CALIBRATIONS[calibration] if calibration else protocol.calibration
+    text = KINDS[what](Protocol(constants, own))
     output.write(text)
+
+
+def configured(config: str) -> Protocol:
+    """The protocol of the rover that a configuration describes."""
+    protocol = load(config).protocol
+    if protocol is None:
+        raise click.UsageError(f"{config} describes no rover")
+    return protocol

@@ -17,14 +17,15 @@ STATIONS = {1: "Operator", 2: "Jetson", 3: "Station 3", 4: "Station 4"}
 SPOKEN = {
     "rad": (degrees, "°", 0),
     "rad/s": (degrees, "°/s", 1),
-    "T": (lambda value: value * 1e6, "µT", 1),
-    "degC": (float, "°C", 1),
+    "T": (lambda value: value * 1e6, " µT", 1),
+    "degC": (float, " °C", 1),
     "deg": (float, "°", 5),
-    "V": (float, "V", 2),
-    "A": (float, "A", 1),
-    "rpm": (float, "rpm", 1),
-    "m/s2": (float, "m/s²", 2),
-    "%": (float, "%", 0),
+    "V": (float, " V", 2),
+    "A": (float, " A", 1),
+    "rpm": (float, " rpm", 1),
+    "m/s2": (float, " m/s²", 2),
+    "%": (float, " %", 0),
+    "1": (float, "", 2),
 }
 """Units for the eye: how to come to them, what they are called, and how many decimals they deserve."""
 SUFFIXES = ("_percent", "_rpm", "_c", "_deg")
@@ -73,13 +74,21 @@ class RoverTraffic(Traffic):
 
 
 def spoken(frame: RoverFrame | None, data: bytes) -> str:
-    """The values of a frame in units for the eye, derived ones first; what is not available is left out."""
+    """The values of a frame in units for the eye, derived ones first; what is not available is left out.
+
+    A unit stands behind the last of the values that share it.
+    """
     if frame is None:
         return data.hex(" ")
     units = {name: derived.unit for name, derived in type(frame).DERIVED.items()}
     units |= {name: signal.unit for name, signal in type(frame).signals}
-    values = [(name, getattr(frame, name), unit) for name, unit in units.items()]
-    return "  ".join(_value(name, value, unit) for name, value, unit in values if value is not None) or "nothing"
+    values = [(name, value, unit) for name, unit in units.items() if (value := getattr(frame, name)) is not None]
+    following = [unit for _, _, unit in values[1:]] + [None]
+    parts = [
+        _value(*value) + (_unit(value[2]) if value[2] != then else "")
+        for value, then in zip(values, following, strict=True)
+    ]
+    return "  ".join(parts) or "nothing available"
 
 
 def _value(name: str, value: object, unit: str) -> str:
@@ -90,9 +99,13 @@ def _value(name: str, value: object, unit: str) -> str:
         case Code():
             return f"{label} {value.name.lower().replace('_', ' ')}"
         case int() | float() if unit in SPOKEN:
-            convert, text, decimals = SPOKEN[unit]
-            return f"{label} {convert(value):.{decimals}f} {text}"
+            convert, _, decimals = SPOKEN[unit]
+            return f"{label} {convert(value):.{decimals}f}"
         case float():
-            return f"{label} {value:.3g} {unit if unit != '1' else ''}".rstrip()
+            return f"{label} {value:.6g}"
         case _:
-            return f"{label} {value} {unit}".rstrip()
+            return f"{label} {value}"
+
+
+def _unit(unit: str) -> str:
+    return SPOKEN[unit][1] if unit in SPOKEN else f" {unit}" if unit else ""

@@ -33,7 +33,7 @@ class RoverView(LiveView):
         )
 
     def _share(self, rows: int) -> int:
-        return rows - min(rows // 2, len(self.traffic.sent) + 1)
+        return rows - min(rows // 2, len(self.traffic.sent))
 
     def _state(self, width: int) -> Text:
         paint, permission = self._paint, self.traffic.permission

@@ -72,7 +72,8 @@ SILENT = 2.0  # s
 LIMITS_PERIOD = 1.0  # s
 KEPT = 4096  # frames for a reader that does not read
 
-DRIVERS: dict[type[RoverFrame], str] = {
+DriverStatus = MotorDriverStatusRight | MotorDriverStatusLeft
+DRIVERS: dict[type[DriverStatus], str] = {
     MotorDriverStatusRight: "right motor driver",
     MotorDriverStatusLeft: "left motor driver",
 }
@@ -136,7 +137,7 @@ class Rover:
         self._why_idle = "enable it first"
         self._limits: dict[int, RoverFrame] = {}
         self._limits_due = 0.0
-        self._drivers: dict[type[RoverFrame], Driver] = {}
+        self._drivers: dict[type[DriverStatus], Driver] = {}
         self._drivers_spoke = asyncio.Event()
         self._enabling = asyncio.Lock()
         self._down: str | None = None
@@ -443,12 +444,12 @@ class Rover:
 
     def _hear(self, message: RoverFrame, now: float) -> None:
         self.telemetry.hear(message, now)
-        if isinstance(message, MotorDriverStatusRight | MotorDriverStatusLeft):
+        if isinstance(message, DriverStatus):
             self._hear_driver(type(message), message.status, now)
         for reader in self._readers:
             reader.put(message)
 
-    def _hear_driver(self, kind: type[RoverFrame], state: DriverState | None, now: float) -> None:
+    def _hear_driver(self, kind: type[DriverStatus], state: DriverState | None, now: float) -> None:
         self._drivers[kind] = Driver(state, now)
         self._drivers_spoke.set()
         if self.enabled and state is DriverState.STOPPED:

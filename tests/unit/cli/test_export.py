@@ -35,3 +35,41 @@ def test_a_mistake_in_a_file_is_told_without_a_file_being_written(tmp_path):
     assert run.returncode == 2
     assert f"{bad}:2, frame[1].id: 104 is MotorCurrentRight already; take another" in run.stderr.decode()
     assert not (tmp_path / "rover.dbc").exists()
+
+
+CONFIGURATION = """
+[vehicle]
+kind = "rover"
+frames = "own.toml"
+[calibration]
+base = "documented"
+encoder_pulses = 256
+[bus]
+url = "loop://rover"
+[[station]]
+id = 1
+url = "tcp-listen://127.0.0.1:5000"
+"""
+
+
+def test_a_configuration_has_frames_and_constants_of_its_own(tmp_path):
+    (tmp_path / "own.toml").write_text(Path(FRAMES).read_text())
+    config = tmp_path / "rover.toml"
+    config.write_text(CONFIGURATION)
+    text = timonel("export", "dbc", "--config", str(config)).stdout.decode()
+    assert "front_rpm = 135000 / raw" in text
+    assert "BO_ 200 SoilProbe" in text
+    (tmp_path / "other.toml").write_text("")
+    given = ("--frames", str(tmp_path / "other.toml"), "--calibration", "physical")
+    text = timonel("export", "dbc", "--config", str(config), *given).stdout.decode()
+    assert "front_rpm = 33750 / raw" in text
+    assert "SoilProbe" not in text
+
+
+def test_a_boat_has_no_frames_of_a_rover(tmp_path):
+    config = tmp_path / "boat.toml"
+    boat = CONFIGURATION.replace('"rover"', '"boat"')
+    config.write_text(boat.replace('frames = "own.toml"\n[calibration]\nbase = "documented"\nencoder_pulses = 256', ""))
+    run = timonel("export", "dbc", "--config", str(config))
+    assert run.returncode == 2
+    assert "boat.toml describes no rover" in run.stderr.decode()

@@ -206,3 +206,98 @@ def test_close_gives_readers_what_waits_for_them():
             reader.close()
 
     asyncio.run(session())
+
+
+@asynccontextmanager
+async def raw():
+    ear = Ear()
+    link = TcpListenLink("127.0.0.1", 0, raw=True)
+    await link.open(ear.receive, ear.changed)
+    yield link, ear
+    await link.close()
+
+
+def test_raw_bytes_are_delivered_as_they_come():
+    async def session():
+        async with raw() as (link, ear):
+            one = await reader_of(link)
+            for piece in (b"#\x64", b"\x00", b"\x9c"):
+                one.send(piece)
+                heard = len(ear.data)
+                await until(lambda heard=heard: len(ear.data) > heard)
+            assert ear.data == b"#\x64\x00\x9c"
+            one.close()
+
+    asyncio.run(session())
+
+
+def test_of_raw_clients_one_has_the_voice_and_all_hear():
+    async def session():
+        async with raw() as (link, ear):
+            first, second = await reader_of(link), await reader_of(link)
+            first.send(b"first")
+            await until(lambda: ear.data == b"first")
+            second.send(b"second")
+            await until(lambda: link.counters.rejected == 1)
+            first.send(b" again")
+            await until(lambda: ear.data == b"first again")
+            link.send([line("to all")])
+            for reader in (first, second):
+                assert await read_until(reader, b"\r\n") == b"to all\r\n"
+                reader.close()
+
+    asyncio.run(session())
+
+
+def test_when_who_had_the_voice_leaves_it_is_told_and_the_next_who_speaks_has_it():
+    async def session():
+        async with raw() as (link, ear):
+            first, second = await reader_of(link), await reader_of(link)
+            first.send(b"1")
+            await until(lambda: ear.data == b"1")
+            first.close()
+            await until(lambda: ear.changes[-1] == (False, "who spoke has left"))
+            second.send(b"2")
+            await until(lambda: ear.data == b"12")
+            assert ear.changes[-3:] == [
+                (True, "somebody speaks"), (False, "who spoke has left"), (True, "somebody speaks"),
+            ]  # fmt: skip
+            second.close()
+
+    asyncio.run(session())
+
+
+def test_who_has_the_voice_and_is_silent_loses_it_to_the_next(monkeypatch):
+    monkeypatch.setattr(tcp_listen, "SILENT", 0.05)
+
+    async def session():
+        async with raw() as (link, ear):
+            first, second = await reader_of(link), await reader_of(link)
+            first.send(b"1")
+            await until(lambda: ear.data == b"1")
+            await asyncio.sleep(0.06)
+            second.send(b"2")
+            await until(lambda: ear.data == b"12")
+            first.send(b"3")
+            await until(lambda: link.counters.rejected == 1)
+            first.close()
+            await until(lambda: len(link._readers) == 1)
+            assert ear.changes[-2:] == [(True, "somebody speaks")] * 2
+            second.close()
+
+    asyncio.run(session())
+
+
+def test_a_new_voice_is_told_before_it_is_heard():
+    async def session():
+        order = []
+        link = TcpListenLink("127.0.0.1", 0, raw=True)
+        await link.open(order.append, lambda connected, reason: order.append(reason))
+        one = await reader_of(link)
+        one.send(b"#e\xce")
+        await until(lambda: b"#e\xce" in order)
+        assert order == ["", "somebody speaks", b"#e\xce"]
+        one.close()
+        await link.close()
+
+    asyncio.run(session())

@@ -117,3 +117,17 @@ def test_checking_urls_loads_no_transport():
     )
     answer = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert answer.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    ("url", "key", "completed"),
+    [
+        ("slcan:///dev/a", "bitrate", "slcan:///dev/a?bitrate=7"),
+        ("slcan:///dev/a?baud=9600", "bitrate", "slcan:///dev/a?baud=9600&bitrate=7"),
+        ("slcan:///dev/a?bitrate=125000", "bitrate", "slcan:///dev/a?bitrate=125000"),
+        ("socketcan://can0", "bitrate", "socketcan://can0"),
+        ("tcp://a:1", "raw", "tcp://a:1"),
+    ],
+)
+def test_a_parameter_that_is_left_out_can_be_given_where_there_is_such_a_one(url: str, key: str, completed: str):
+    assert with_default(url, key, "7") == completed

@@ -177,3 +177,37 @@ def test_a_bridge_that_speaks_is_never_asked_out_of_command():
     helm.heard(2, 2.2)
     run(helm, 2.3)
     assert helm.transfer.commander == 3, "the policy is the configured one again"
+
+
+def test_a_request_has_ten_seconds_unless_configured_otherwise():
+    helm = Helm(0.0)
+    helm.stick(REST, 2, 0.0)
+    helm.stick(REST, 3, 0.0)
+    for second in range(1, 10):
+        helm.heard(2, float(second))
+    run(helm, 9.99)
+    assert helm.transfer.commander == 2
+    run(helm, 10.0)
+    assert helm.transfer.commander == 3
+
+
+def test_two_seconds_of_silence_count_from_the_last_byte_of_what_was_heard():
+    for age in (0.0, 0.25):
+        helm = Helm(0.0)
+        helm.stick(REST, 2, 0.0)
+        helm.heard(2, 1.0, age)
+        assert run(helm, 2.99 - age)
+        assert helm.transfer.commander == 2
+        run(helm, 3.0 - age)
+        assert helm.transfer.commander == 0
+
+
+def test_without_a_word_about_its_age_a_frame_is_heard_now():
+    for say in (lambda helm: helm.heard(2, 1.0), lambda helm: helm.permission(True, 2, 1.0)):
+        helm = Helm(0.0)
+        helm.stick(REST, 2, 0.0)
+        say(helm)
+        run(helm, 2.99)
+        assert helm.transfer.commander == 2
+        run(helm, 3.0)
+        assert helm.transfer.commander == 0

@@ -44,7 +44,9 @@ def _converter(frame: type[RoverFrame], parts: "tuple[Part, ...]") -> Callable[[
         for part, column in zip(parts, block, strict=False):
             _fill(column, part, raws[part.name])
         if valid:
-            block[: len(parts), ~eval(valid, {part.name: raws[part.name] for part in parts})] = np.nan
+            nothing = ~eval(valid, {part.name: raws[part.name] for part in parts})
+            for column in block[: len(parts)]:
+                _put(column, nothing, np.nan)
         values = {part.name: column for part, column in zip(parts, block, strict=False)}
         for name, signal, place in derived:
             values[name] = block[place]
@@ -70,4 +72,4 @@ def _fill(column: Column, part: "Part", raw: npt.NDArray[Any]) -> None:
 
 def _put(column: Column, where: npt.NDArray[np.bool_], value: float) -> None:
     if where.any():
-        column[where] = value
+        np.copyto(column, value, where=where)

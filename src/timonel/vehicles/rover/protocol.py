@@ -27,11 +27,13 @@ class Protocol:
     def __init__(self, calibration: Calibration = PHYSICAL, own: Iterable[type[RoverFrame]] = ()) -> None:
         """Raises ConfigError where two frames have the same identifier."""
         self.calibration = calibration
+        self.own = tuple(own)
         self.declarations: dict[int, type[RoverFrame]] = {}
-        for frame in (*FRAMES, *own):
+        for frame in (*FRAMES, *self.own):
             if (first := self.declarations.setdefault(frame.FRAME, frame)) is not frame:
                 raise ConfigError(f"{frame.__name__}: frame {frame.FRAME} is {first.__name__} already")
-        self._codecs = _Codecs(self.declarations, calibration)
+        self._codecs: dict[int, Codec] = {}
+        self._decoders: dict[int, Decoder] = {}
 
     def declaration(self, identifier: int) -> type[RoverFrame] | None:
         """How a frame is declared; None if it is not."""
@@ -43,21 +45,26 @@ class Protocol:
 
     def decode(self, identifier: int, data: bytes) -> RoverFrame | None:
         """The frame in SI values; None where no such frame is declared or it has another length. Never raises."""
-        return self._codecs[identifier].decode(data) if identifier in self.declarations else None
+        decode = self._decoders.get(identifier)  # written for speed: it runs once a frame
+        if decode is None:
+            return self.decoder(identifier)(data) if identifier in self.declarations else None
+        return decode(data)
 
     def decoder(self, identifier: int) -> Decoder:
         """What decodes a declared frame, for whoever reads many."""
-        return self._codecs[identifier].decode
+        return self._decoders.setdefault(identifier, self.codec(identifier).decode)
 
     def codec(self, identifier: int) -> Codec:
-        """The generated codec of a declared frame."""
+        """The generated codec of a declared frame, made when it is first used."""
+        if identifier not in self._codecs:
+            self._codecs[identifier] = codec(self.declarations[identifier], self.calibration)
         return self._codecs[identifier]
 
     def encode(self, frame: RoverFrame) -> tuple[int, bytes]:
         """Identifier and data. Raises EncodeError for a value that cannot be sent, and a frame that is not ours."""
         if self.declarations.get(frame.FRAME) is not type(frame):
             raise EncodeError(f"{type(frame).__name__}: not a frame of this rover")
-        return frame.FRAME, self._codecs[frame.FRAME].encode(frame)
+        return frame.FRAME, self.codec(frame.FRAME).encode(frame)
 
     def columns(self, identifier: int, payloads: "Payloads") -> "dict[str, Column]":
         """Decode uint8[n, size] into one float64[n] per signal, derived ones too, NaN where not available.
@@ -65,16 +72,4 @@ class Protocol:
         The values are those of `decode`, bit for bit; of derived signals with `atan2` to the last digit. Raises
         DecodeError for payloads of another size. Needs the extra `columns`.
         """
-        return self._codecs[identifier].columns(payloads)
-
-
-class _Codecs(dict[int, Codec]):
-    """Made when they are first used."""
-
-    def __init__(self, declarations: dict[int, type[RoverFrame]], calibration: Calibration) -> None:
-        self._declarations = declarations
-        self._calibration = calibration
-
-    def __missing__(self, identifier: int) -> Codec:
-        made = self[identifier] = codec(self._declarations[identifier], self._calibration)
-        return made
+        return self.codec(identifier).columns(payloads)
