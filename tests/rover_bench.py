@@ -120,8 +120,8 @@ class Order(msgspec.Struct, frozen=True, gc=False):
 class Bench:
     """A controller with stations and a simulated rover; `now` is the time in s.
 
-    `stations` are their numbers; each speaks up to `jitter` s late. With `module_timeout` the motor boards have one of their own, in s. Without
-    `simulated` there are no modules: then there is no telemetry either.
+    `stations` are their numbers; each speaks up to `jitter` s late. With `module_timeout` the motor boards have one of
+    their own, in s. Without `simulated` there are no modules: then there is no telemetry either.
     """
 
     def __init__(

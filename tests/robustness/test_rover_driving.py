@@ -8,7 +8,7 @@ import pytest
 
 from tests.rover_bench import FULL, PERIOD, REST, Bench, distance
 from timonel.core.command import Transferred
-from timonel.vehicles.rover.drive import STANDSTILL, STALE, Permission, Stick, Wheels, mixed
+from timonel.vehicles.rover.drive import STALE, STANDSTILL, Permission, Stick, Wheels, mixed
 
 SIDE = 15.0  # m
 LOST_BYTES = 0.01

@@ -86,7 +86,7 @@ def spoken(frame: RoverFrame | None, data: bytes) -> str:
     following = [unit for _, _, unit in values[1:]] + [None]
     parts = [
         _value(*value) + (_unit(value[2]) if value[2] != then else "")
-        for value, then in zip(values, following, strict=True)
+        for value, then in zip(values, following, strict=False)  # without a value, nothing follows
     ]
     return "  ".join(parts) or "nothing available"
 

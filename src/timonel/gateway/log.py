@@ -1,6 +1,7 @@
 """How the log looks: text on a terminal, one JSON object a line for everything else."""
 
 import logging
+import select
 import sys
 from datetime import UTC, datetime
 from typing import TextIO
@@ -30,8 +31,37 @@ class JsonFormatter(logging.Formatter):
         return msgspec.json.encode(line, enc_hook=str).decode()
 
 
+class Handler(logging.StreamHandler[TextIO]):
+    """Writes what there is room for and counts the rest: a log that nobody reads must not stop the boat."""
+
+    def __init__(self, stream: TextIO) -> None:
+        super().__init__(stream)
+        self.dropped = 0
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if not _has_room(self.stream):
+            self.dropped += 1
+            return
+        if self.dropped:
+            text = f"{self.dropped} lines of the log were dropped: nobody read them"
+            super().emit(logging.makeLogRecord({"msg": text, "levelno": logging.WARNING, "levelname": "WARNING"}))
+            self.dropped = 0
+        super().emit(record)
+
+
+def _has_room(stream: TextIO) -> bool:
+    """Whether a line can be written without waiting: a pipe with room has 4 KiB of it (pipe(7))."""
+    try:
+        descriptor = stream.fileno()
+    except OSError:  # in memory
+        return True
+    poll = select.poll()
+    poll.register(descriptor, select.POLLOUT)
+    return poll.poll(0) == [(descriptor, select.POLLOUT)]
+
+
 def start(level: str, stream: TextIO = sys.stderr) -> None:
     """Log everything from `level` on to `stream`."""
-    handler = logging.StreamHandler(stream)
+    handler = Handler(stream)
     handler.setFormatter(TextFormatter() if stream.isatty() else JsonFormatter())
     logging.basicConfig(level=level.upper(), handlers=[handler], force=True)

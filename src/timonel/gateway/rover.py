@@ -264,7 +264,6 @@ class Rover:
             self._reachable("enable")
             seconds = timeout if timeout is not None else TIMEOUT if self.station == BRIDGE else REQUEST_TIMEOUT
             self._rest()
-            self._limits_due = self._now()
             self.phase = Phase.ENABLING
             try:
                 await asyncio.wait_for(self._enable(self._now()), seconds)
@@ -290,6 +289,7 @@ class Rover:
             await self._drivers_speak(began)
         self._still_asking()
         self.phase = Phase.ENABLED
+        self._say_limits()
 
     def _still_asking(self) -> None:
         if self.phase is not Phase.ENABLING:
@@ -394,6 +394,10 @@ class Rover:
         x, y = self._stick(self._said_at)
         self._say(DriveCommand(y=y, x=x))
 
+    def _say_limits(self) -> None:
+        self._limits_due = self._now() + LIMITS_PERIOD
+        self._say(*self._limits.values())
+
     def _say_stop(self, drove: bool) -> None:
         """A stick at rest would be a request for command, if we were not driving."""
         self._say(DriveEnable(code=DriveCode.STOP), *([DriveCommand(y=0, x=0)] if drove else []))
@@ -422,9 +426,8 @@ class Rover:
         if self.phase is Phase.IDLE:
             return
         self._say_stick()
-        if now >= self._limits_due:
-            self._limits_due = now + LIMITS_PERIOD
-            self._say(*self._limits.values())
+        if self.enabled and now >= self._limits_due:
+            self._say_limits()
 
     def _look(self, now: float) -> None:
         for kind, driver in self._drivers.items():

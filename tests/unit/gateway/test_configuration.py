@@ -24,7 +24,9 @@ def mistakes(text: str) -> list[str]:
 
 def test_what_cannot_be_printed_does_not_break_a_mistake_in_two() -> None:
     text = SOUND.replace("boat", r"bo\nat\u001b[2J", 1)
-    assert mistakes(text) == [r'boat.toml:2, vehicle.kind: "bo\nat\x1b[2J" should be "boat" or "rover" (did you mean "boat"?)']
+    assert mistakes(text) == [
+        r'boat.toml:2, vehicle.kind: "bo\nat\x1b[2J" should be "boat" or "rover" (did you mean "boat"?)'
+    ]
 
 
 def test_the_example_of_the_documentation_is_sound() -> None:

@@ -1,6 +1,7 @@
 import io
 import json
 import logging
+import os
 from collections.abc import Iterator
 
 import pytest
@@ -54,3 +55,27 @@ def test_what_is_less_severe_than_wanted_is_not_logged() -> None:
     log.start("warning", stream)
     logging.getLogger("timonel").info("running")
     assert stream.getvalue() == ""
+
+
+def test_a_log_that_nobody_reads_holds_nothing_up_and_tells_afterwards_what_was_dropped() -> None:
+    far_end, descriptor = os.pipe()
+    logger = logging.getLogger("timonel")
+    with open(descriptor, "w") as stream, open(far_end, "rb") as reader:
+        log.start("info", stream)
+        for number in range(10_000):
+            logger.info("line %d", number)
+        written = reader.read1(1 << 20).decode().splitlines()
+        logger.info("and on")
+        told, last = map(json.loads, reader.read1().decode().splitlines())
+    assert told["level"] == "warning"
+    assert told["text"] == f"{10_000 - len(written)} lines of the log were dropped: nobody read them"
+    assert last["text"] == "and on"
+
+
+def test_a_log_whose_reader_has_gone_is_nobodys_fault(capfd: pytest.CaptureFixture[str]) -> None:
+    far_end, descriptor = os.pipe()
+    with open(descriptor, "w") as stream:
+        log.start("info", stream)
+        os.close(far_end)
+        logging.getLogger("timonel").info("running")
+    assert capfd.readouterr() == ("", "")

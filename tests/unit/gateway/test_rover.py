@@ -160,12 +160,15 @@ def test_set_points_that_come_faster_than_50_hz_are_thinned_and_the_latest_wins(
 
 def test_leaving_by_an_exception_stops_the_rover_too():
     async def scene(s: Scenery) -> None:
-        with pytest.raises(ZeroDivisionError):
+        async def program() -> None:
             async with s.client(1) as r:
                 await r.enable()
                 await r.drive(1.0, hold=5.0)
                 await asyncio.sleep(1.0)
                 raise ZeroDivisionError
+
+        with pytest.raises(ZeroDivisionError):
+            await program()
         assert s.rover.setpoints == ((0, 0, 0), (0, 0, 0))
         assert s.said(1, 101).count(b"\xce") >= 5
 
@@ -432,5 +435,3 @@ def test_the_owners_frames_are_read_from_their_file():
     r = Rover.open("tcp://127.0.0.1:1", station=2, frames=DOCS / "own_frames.toml", calibration="documented")
     assert r.protocol.declaration(160).__name__ == "ArmJoints"
     assert r.protocol.calibration.encoder_pulses == 1
-
-

@@ -43,7 +43,9 @@ def test_the_example_of_the_documentation_is_sound() -> None:
 def test_the_page_about_the_rover_names_every_key() -> None:
     page = (DOCS / "rover.md").read_text()
     kind = KINDS["rover"]
-    keys = {key for table in (kind.tables, {"station": kind.lists["station"]}) for each in table.values() for key in each}
+    keys = {
+        key for table in (kind.tables, {"station": kind.lists["station"]}) for each in table.values() for key in each
+    }
     keys -= kind.tables["gateway"].keys()
     assert [key for key in sorted(keys) if f"`{key}`" not in page] == []
 

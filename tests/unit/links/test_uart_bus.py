@@ -1,7 +1,9 @@
 import asyncio
-import pty
 import os
+import pty
 from contextlib import asynccontextmanager
+
+import pytest
 
 from tests.unit.gateway.concentrator import run
 from tests.unit.gateway.fakes import FakePort
@@ -11,8 +13,6 @@ from timonel.links.uart_bus import UartBus
 from timonel.vehicles.rover.declaration import Party
 from timonel.vehicles.rover.framing import DIALECTS, Hal062, Strzyga, StrzygaCrc
 from timonel.vehicles.rover.protocol import Protocol
-
-import pytest
 
 LENGTHS = Protocol().lengths(Party.OPERATOR)
 STATUS = Frame(116, b"\x01", extended=False)

@@ -5,7 +5,7 @@ import pytest
 
 from timonel.errors import LinkError
 from timonel.links.python_can import PythonCanLink
-from timonel.links.urls import SCHEMES, bus_link, byte_link, check, link, parse
+from timonel.links.urls import SCHEMES, bus_link, byte_link, check, link, parse, with_default
 
 GOOD = {
     "serial:///dev/ttyUSB0": {"path": "/dev/ttyUSB0"},

@@ -291,7 +291,9 @@ def test_a_frame_that_nobody_declared_is_counted():
 
 def test_another_controller_on_the_bus_is_told_once_and_counted():
     yard = Yard()
-    assert yard.bus((102, FULL), (103, FULL)) == [SecurityEvent("somebody else sends WheelSpeedSetRight on the bus", "bus")]
+    assert yard.bus((102, FULL), (103, FULL)) == [
+        SecurityEvent("somebody else sends WheelSpeedSetRight on the bus", "bus")
+    ]
     assert yard.bus((101, PERMIT)) == []
     assert yard.rover.counters["frames of another controller"] == 3
 

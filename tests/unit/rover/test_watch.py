@@ -146,7 +146,9 @@ def test_it_ends_when_all_stand_or_motion_is_permitted():
 # What modules say of themselves ---------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("kind", "frame"), [(DRIVER_RIGHT, MotorDriverStatusRight), (DRIVER_LEFT, MotorDriverStatusLeft)])
+@pytest.mark.parametrize(
+    ("kind", "frame"), [(DRIVER_RIGHT, MotorDriverStatusRight), (DRIVER_LEFT, MotorDriverStatusLeft)]
+)
 def test_a_motor_driver_without_supply_or_with_a_fault_is_an_alert_until_it_is_well(kind: AlertKind, frame: type):
     for bad, word in ((DriverState.NO_SUPPLY, "no supply"), (DriverState.FAULT, "fault"), (None, "unknown")):
         for good in (DriverState.RUNNING, DriverState.STOPPED):
