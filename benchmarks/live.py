@@ -10,6 +10,7 @@ wake-ups are in it. See `docs/performance.md` for what was found.
 import argparse
 import json
 import os
+import socket
 import subprocess
 import sys
 import tempfile
@@ -21,7 +22,7 @@ from statistics import median
 from typing import Any
 
 from benchmarks import command, memory
-from benchmarks.live_gateway import Setup, bus_pair, run_gateway
+from benchmarks.live_gateway import ANY_PORT, HERE, Setup, bus_pair, run_gateway
 from benchmarks.peers import Peer, peers
 from benchmarks.processes import (
     HARNESS,
@@ -139,21 +140,27 @@ def measure_commands(setup: Setup, seconds: float) -> Result:
 
 
 def measure_peer(peer: Peer, seconds: float) -> Result:
-    """The same of another program, with one reader."""
-    process_in, bus = os.pipe()
-    output, process_out = os.pipe()
-    process = subprocess.Popen(peer.command, stdin=process_in, stdout=process_out, stderr=subprocess.DEVNULL)
+    """The same of another program, with one reader: a socket for its bus and TCP to its reader, as for ours."""
+    near, bus = socket.socketpair()
+    program_end, reader_end = tcp_pair()
+    process = subprocess.Popen(peer.command, stdin=near, stdout=program_end, stderr=subprocess.DEVNULL)
     os.sched_setaffinity(process.pid, {PROGRAM})
-    os.close(process_in)
-    os.close(process_out)
+    where = Where(bus.fileno(), connected=reader_end.fileno())
     try:
-        with session(process.pid, bus, Where(bus, pipe=output), _places_of(peer)) as running:
+        with near, bus, program_end, reader_end, session(process.pid, bus.fileno(), where, _places_of(peer)) as running:
             return {**running.paced(seconds), **running.flat_out(seconds)}
     finally:
         process.kill()
         process.wait()
-        os.close(bus)
-        os.close(output)
+
+
+def tcp_pair() -> tuple[socket.socket, socket.socket]:
+    """Two ends of a connection; what the first one sends goes out at once."""
+    with socket.create_server((HERE, ANY_PORT)) as server:
+        reader_end = socket.create_connection(server.getsockname())
+        program_end, _ = server.accept()
+    program_end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    return program_end, reader_end
 
 
 def _places_of(peer: Peer) -> dict[bytes, int]:

@@ -162,21 +162,21 @@ class Heard(msgspec.Struct):
 
 
 class Where(msgspec.Struct, frozen=True):
-    """What to read: terminals, `clients` of a TCP port, a pipe; and the far end of the bus."""
+    """What to read: terminals, `clients` of a TCP port, a descriptor `connected` already; and the far end of the bus."""
 
     bus: int
     terminals: tuple[str, ...] = ()
     address: tuple[str, int] | None = None
     clients: int = 0
-    pipe: int | None = None
+    connected: int | None = None
 
     def open(self) -> list[int]:
         """Descriptors of all outputs."""
         opened = [os.open(path, os.O_RDWR | os.O_NOCTTY) for path in self.terminals]
         if self.address is not None:
             opened += [socket.create_connection(self.address).detach() for _ in range(self.clients)]
-        if self.pipe is not None:
-            opened.append(self.pipe)
+        if self.connected is not None:
+            opened.append(self.connected)
         for fd in opened:
             os.set_blocking(fd, False)
         return opened

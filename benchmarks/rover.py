@@ -5,8 +5,9 @@
 The gateway that `timonel run` makes is alone on one core, its station on a pseudo-terminal, its bus a pair of sockets.
 All frames go at 50 Hz: 100, 101, 115, 119 and 120 up the UART, 102 and 103 out of the mixer, the telemetry from the bus
 to the UART (111 with its twelve bytes is no CAN frame, and stays away). A latency counts from just before the write of
-a stick to just after 103, the second of its two set points, was read. `strzyga` needs the next `#`, or 5 ms of silence, to prove a frame: with a frame
-behind the stick in the same write it has it at once, a stick alone is proved by the next frame on the line, 1.1 ms later.
+a stick to just after 103, the second of its two set points, was read. `strzyga` needs the next `#`, or 5 ms of silence,
+to prove a frame: with a frame behind the stick in the same write it has it at once, a stick alone is proved by the next
+frame on the line, 1.1 ms later. `strzyga-crc` needs nothing.
 """
 
 import argparse
@@ -18,11 +19,12 @@ import socket
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from multiprocessing.connection import Connection
 from random import Random
-from statistics import mean
+from statistics import mean, median
 from timeit import Timer
 from typing import Any
 
@@ -32,7 +34,6 @@ import msgspec
 import numpy as np
 
 from benchmarks.channel import realistic
-from benchmarks.live import medians
 from benchmarks.live_gateway import bus_pair
 from benchmarks.processes import HARNESS, PROGRAM, Helper, cpu_seconds, ending, quantiles
 from benchmarks.table import table
@@ -122,9 +123,9 @@ class Yard:
 
     def paced(self, seconds: float) -> None:
         """Everything at 50 Hz, spread over each 20 ms."""
-        actions: list[Callable[[], None]] = [self._stick, lambda: self._say(101, PERMIT)]
-        actions += [lambda limit=limit: self._say(*limit) for limit in LIMITS]
-        actions += [lambda number=number: self._module(number) for number in TELEMETRY]
+        actions: list[Callable[[], None]] = [self._stick, partial(self._say, 101, PERMIT)]
+        actions += [partial(self._say, *limit) for limit in LIMITS]
+        actions += [partial(self._module, number) for number in TELEMETRY]
         begun = time.monotonic()
         for step in range(int(seconds / TICK) * len(actions)):
             self._listen(begun + step * TICK / len(actions))
@@ -219,16 +220,18 @@ def flat_out(seconds: float) -> Figures:
         threading.Thread(target=_drain, args=(yard.uart, yard.bus), daemon=True).start()
         frames = [packed(number, b"\x01" * size) for number, size in TELEMETRY.items()]
         sticks = b"".join(yard.write(100, bytes((0, -x & 0xFF))) for x in range(1, 101))
-        for name, put in (
-            ("can", lambda: [yard.bus.send(frame) for frame in frames]),
-            ("uart", lambda: os.write(yard.uart, sticks)),
-        ):
+        for name, put in (("can", partial(_put, yard.bus, frames)), ("uart", partial(os.write, yard.uart, sticks))):
             before, begun = helper.ask("counters")[name], time.monotonic()
             while time.monotonic() < begun + seconds:
                 put()
             took = time.monotonic() - begun
             taken[f"{name}_frames_s"] = (helper.ask("counters")[name] - before) / took
     return taken
+
+
+def _put(bus: socket.socket, frames: list[bytes]) -> None:
+    for frame in frames:
+        bus.send(frame)
 
 
 def _drain(uart: int, bus: socket.socket) -> None:
@@ -257,9 +260,9 @@ def codec() -> dict[str, Figures]:
         payloads = np.frombuffer(b"".join(realistic(number, random) for _ in range(100)) * (MANY // 100), np.uint8)
         many = payloads.reshape(MANY, size)
         rows[f"{number} {PROTOCOL.declarations[number].__name__}"] = {
-            "ours": best(lambda n=number, d=data: PROTOCOL.decode(n, d)),
-            "cantools": best(lambda n=number, d=data: database.decode_message(n, d)),
-            "columns": min(Timer(lambda n=number, m=many: PROTOCOL.columns(n, m)).repeat(7, 1)) / MANY * 1e9,
+            "ours": best(partial(PROTOCOL.decode, number, data)),
+            "cantools": best(partial(database.decode_message, number, data)),
+            "columns": min(Timer(partial(PROTOCOL.columns, number, many)).repeat(7, 1)) / MANY * 1e9,
         }
     rows["mean"] = {key: mean(row[key] for row in rows.values()) for key in ("ours", "cantools", "columns")}
     return rows
@@ -286,6 +289,11 @@ def measure(passes: int, seconds: float) -> dict[str, Any]:
         rates.append(flat_out(min(seconds, 2.0)))
     flows = {name: medians(found) for name, found in rows.items()}
     return {"live": flows, "flat out": medians(rates), "codec": codec()}
+
+
+def medians(rows: Sequence[Figures]) -> Figures:
+    """Of each figure by itself."""
+    return {key: median(row[key] for row in rows) for key in rows[0]}
 
 
 def show(results: dict[str, Any]) -> str:

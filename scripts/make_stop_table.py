@@ -174,10 +174,10 @@ points.
 `docs/safety.md` has the rules of command, which are the boat's too, and how such machines are proven: exhaustive
 exploration (`tests/property/test_rover_exploration.py`), mutation (`python -m tests.mutation`), a thousand cuts of
 each kind in counted time (`tests/robustness/test_rover_cuts.py`), and programs that are really killed
-(`tests/robustness/test_rover_kills.py`). Over a wire that loses 1 % of its bytes, a million set points were executed with
-`strzyga` and a million with `strzyga-crc`, and none that nobody had sent (`tests/robustness/test_rover_driving.py`).
-Without a check sum that is the framing's merit, and a matter of chance; changed bits are another thing: only
-`strzyga-crc` finds them.
+(`tests/robustness/test_rover_kills.py`). Over a wire that loses 1 % of its bytes, a million set points were executed
+with `strzyga` and a million with `strzyga-crc`, and none that nobody had sent
+(`tests/robustness/test_rover_driving.py`). Without a check sum that is the framing's merit, and a matter of chance;
+changed bits are another thing: only `strzyga-crc` finds them.
 """
 
 if __name__ == "__main__":

@@ -48,4 +48,4 @@ class Programs(click.Group):
 @click.group(cls=Programs, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="timonel")
 def main() -> None:
-    """The command gateway between helm stations and a boat's NMEA 2000 bus."""
+    """The command gateway between stations and the CAN bus of a boat or rover."""

@@ -14,7 +14,7 @@ from timonel.gateway.service import serve
 @click.command()
 @click.argument("configuration", type=click.Path())
 def run(configuration: str) -> None:
-    """Run the gateway that CONFIGURATION (boat.toml) describes, until SIGTERM or Ctrl-C.
+    """Run the gateway that CONFIGURATION (boat.toml, rover.toml) describes, until SIGTERM or Ctrl-C.
 
     The log goes to standard error: text on a terminal, else one JSON object a line. SIGUSR1 logs all counters.
     """

@@ -97,6 +97,8 @@ class Alerts:
     @property
     def deadline(self) -> float | None:
         """When the next silenced alert sounds again."""
+        if not self._alerts:
+            return None
         return min((a.silenced_until for a in self._alerts.values() if a.silenced_until is not None), default=None)
 
     def expire(self, now: float) -> list[Event]:

@@ -48,6 +48,7 @@ LONGEST = 223
 """Bytes in the longest message: 6 + 31 * 7."""
 
 _STREAM = 0x3FFFFFF  # an identifier without its priority, which a sender may change
+_PADDING = b"\xff" * 7
 _SPENT = 32  # `next` of a slot whose message is lost: no frame has this index
 
 
@@ -238,9 +239,10 @@ def fragment(payload: bytes, sequence: int) -> list[bytes]:
     if len(payload) > LONGEST:
         raise EncodeError(f"fast packet: {len(payload)} bytes are more than {LONGEST}")
     counter = (sequence & 7) << 5
-    frames = [bytes((counter, len(payload))) + payload[:6].ljust(6, b"\xff")]
+    padded = payload + _PADDING
+    frames = [bytes((counter, len(payload))) + padded[:6]]
     for index, start in enumerate(range(6, len(payload), 7), 1):
-        frames.append(bytes((counter | index,)) + payload[start : start + 7].ljust(7, b"\xff"))
+        frames.append(bytes((counter | index,)) + padded[start : start + 7])
     return frames
 
 

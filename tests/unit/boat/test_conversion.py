@@ -467,6 +467,21 @@ def test_the_time_of_a_position_is_that_of_the_bus():
     assert afloat.hear(position(), 2.0) == ["GPGLL,5430.000000,N,01015.000000,W,,A,A"]
 
 
+def test_once_a_second_a_position_goes_with_the_clock_so_that_its_time_is_its_own():
+    afloat = Afloat("GLL", rate=1.0)
+    said = afloat.hear(clock(43199.5))
+    for tenth in range(40):
+        said += afloat.hear(position(54.0 + tenth / 10), tenth / 10)
+        said += afloat.hear(clock(43200.0 + tenth / 10), tenth / 10) if tenth % 10 == 5 else []
+    assert said == [
+        "GPGLL,5430.000000,N,01015.000000,W,120000.50,A,A",
+        "GPGLL,5530.000000,N,01015.000000,W,120001.50,A,A",
+        "GPGLL,5630.000000,N,01015.000000,W,120002.50,A,A",
+        "GPGLL,5730.000000,N,01015.000000,W,120003.50,A,A",
+    ]
+    assert afloat.hear(position(58.0), 5.5) == ["GPGLL,5800.000000,N,01015.000000,W,,A,A"], "the clock fell silent"
+
+
 def test_a_clock_that_counts_from_1970_is_no_clock():
     afloat = Afloat("GLL", "RMC", "ZDA")
     assert afloat.hear(clock(date=0)) == []

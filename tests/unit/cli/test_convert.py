@@ -78,3 +78,11 @@ def test_a_place_that_cannot_be_written_to_is_told(log: Path, tmp_path: Path) ->
     run = timonel("convert", str(log), "-o", str(tmp_path / "no" / "out"))
     assert run.returncode == 1
     assert b"No such file or directory" in run.stderr
+
+
+def test_the_configuration_of_a_rover_is_none_for_it(log: Path, tmp_path: Path) -> None:
+    rover = tmp_path / "rover.toml"
+    rover.write_text('vehicle.kind = "rover"\nbus.url = "loop://a"\n[[output]]\nurl = "udp://127.0.0.1:2000"\n')
+    run = timonel("convert", str(log), "--config", str(rover))
+    assert run.returncode == 2
+    assert run.stderr.decode() == f"{rover}, vehicle.kind: only what a boat said is converted\n"

@@ -15,11 +15,12 @@ import pytest
 from click.testing import CliRunner
 
 from tests.unit.cli.test_face import drawn
+from tests.unit.cli.test_gamepad import GAMEPAD, Device
 from tests.unit.cli.test_station import read_until
 from tests.unit.gateway.concentrator import run
 from tests.unit.gateway.test_rover import Scenery
 from timonel.cli.drive import Driver, drive
-from timonel.cli.gamepad import ABS_X, ABS_Y, BTN_TR, EV_ABS, EV_KEY, Pad
+from timonel.cli.gamepad import ABS_X, ABS_Y, BTN_START, BTN_TR, EV_ABS, EV_KEY, Pad, pad_of
 from timonel.vehicles.rover.simulator import Fault
 
 Scene = Callable[[Driver, Scenery], Awaitable[None]]
@@ -203,6 +204,28 @@ def test_a_gamepad_drives_while_its_button_is_held_and_letting_go_is_rest():
         following.cancel()
 
     play(scene)
+
+
+def test_a_gamepad_that_is_unplugged_stops_the_rover():
+    async def scene(driver: Driver, s: Scenery) -> None:
+        device = Device(GAMEPAD, [(EV_KEY, BTN_TR, 1), (EV_ABS, ABS_Y, 0)])
+        await hold(driver, "up", 1.0)
+        await driver.hear(device, pad_of(device))
+        assert not s.controller.drive.permitted
+        assert driver.gauges.message == "the gamepad is gone; stopped"
+
+    play(scene)
+
+
+def test_the_buttons_of_a_gamepad_are_keys():
+    async def scene(driver: Driver, s: Scenery) -> None:
+        device = Device(GAMEPAD, [(EV_KEY, BTN_START, 1)])
+        told: list[str] = []
+        driver.press = told.append
+        await driver.hear(device, pad_of(device))
+        assert told == ["e"]
+
+    play(scene, enable=False)
 
 
 def test_without_a_terminal_it_says_that_it_needs_one():

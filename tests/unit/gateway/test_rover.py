@@ -12,7 +12,7 @@ from tests.unit.gateway.concentrator import Cable, run
 from tests.unit.gateway.test_station_on_gateway import Socket
 from timonel.errors import ConfigError, EncodeError, LinkError, NoAnswerError, RefusedError, StationError
 from timonel.gateway.gateway import Channel, Gateway
-from timonel.gateway.rover import Phase, Rover
+from timonel.gateway.rover import KEPT, Frames, Phase, Rover
 from timonel.gateway.simulation import Simulation
 from timonel.gateway.telemetry import Quality
 from timonel.links.uart_bus import UartBus
@@ -435,3 +435,78 @@ def test_the_owners_frames_are_read_from_their_file():
     r = Rover.open("tcp://127.0.0.1:1", station=2, frames=DOCS / "own_frames.toml", calibration="documented")
     assert r.protocol.declaration(160).__name__ == "ArmJoints"
     assert r.protocol.calibration.encoder_pulses == 1
+
+
+def test_through_an_operators_gateway_the_client_drives_the_controller_at_the_far_end_of_its_uart():
+    async def scene(s: Scenery) -> None:
+        uart = UartBus(Tapped(s, 1), Strzyga(s.protocol.lengths(Party.OPERATOR)))
+        socket = Socket("desk")
+        now = asyncio.get_running_loop().time()
+        far = Controller(RoverSettings(role="operator"), [Port("desk", 1)], now, s.protocol)
+        gateway = Gateway(far, uart, [Channel("desk", socket, socket)])
+        await gateway.open()
+        cable = Cable(socket, "desk", delay=0.01)
+        bus = UartBus(cable, Strzyga(s.protocol.lengths(Party.OPERATOR)))
+        async with Rover(bus, s.protocol, station=1) as r:
+            await asyncio.sleep(0.5)
+            await r.enable()
+            await r.drive(0.5, hold=3.0)
+            await asyncio.sleep(2.0)
+            assert s.speed > 0.3
+        assert s.rover.setpoints == ((0, 0, 0), (0, 0, 0))
+        assert s.said(1, 102, 103) == []
+        await gateway.close(0.0)
+
+    play(scene)
+
+
+def test_who_is_enabled_is_not_enabled_again():
+    async def scene(s: Scenery) -> None:
+        async with s.client(1) as r:
+            await r.enable()
+            s.heard.clear()
+            await r.enable()
+            assert s.said(1, 101) == []
+
+    play(scene)
+
+
+def test_a_permission_that_does_not_count_is_not_taken_for_one():
+    async def scene(s: Scenery) -> None:
+        async with s.client(1) as operator, s.client(2) as jetson:
+            await operator.enable()
+            await operator.stop()
+            with pytest.raises(NoAnswerError, match="the motor drivers do not run; somebody else may be in command"):
+                await jetson.enable(timeout=1.0)
+            assert s.said(2, 101)
+            assert not s.controller.drive.permitted
+            await jetson.enable()
+            assert s.controller.helm.transfer.commander == 2
+
+    play(scene)
+
+
+def test_a_reader_that_does_not_read_hears_the_newest():
+    async def scene(s: Scenery) -> None:
+        frames = Frames()
+        for steps in range(1, KEPT + 3):
+            frames.put(PowerLimit(steps=steps))
+        assert (await anext(frames)).steps == 3
+
+    play(scene)
+
+
+def test_what_cannot_be_opened_is_closed():
+    async def scene(s: Scenery) -> None:
+        class Broken(Tapped):
+            async def open(self, receive, changed):
+                await super().open(receive, changed)
+                raise asyncio.CancelledError
+
+        link = Broken(s, 2)
+        r = Rover(UartBus(link, Strzyga(s.protocol.lengths(Party.OPERATOR))), s.protocol, station=2)
+        with pytest.raises(asyncio.CancelledError):
+            await r.__aenter__()
+        assert link.closed
+
+    play(scene)

@@ -460,6 +460,8 @@ class Conversion(msgspec.Struct, frozen=True):
     build: Build
     messages: tuple[type[Message], ...]
     talker: str = "II"
+    clocked: bool = False
+    """Whether, up to one a second, it goes with the bus's clock, so that its time is the time of its position."""
 
     @property
     def formatter(self) -> str:
@@ -492,7 +494,7 @@ CONVERSIONS = (
     Conversion("DPT", 1, dpt, (WaterDepth,)),
     Conversion("DBT", 1, dbt, (WaterDepth,)),
     Conversion("MTW", 0.5, mtw, SEA),
-    Conversion("GLL", 1, gll, POSITION, "GP"),
+    Conversion("GLL", 1, gll, (*POSITION, *CLOCK), "GP", clocked=True),
     Conversion("RMC", 1, rmc, COURSE, "GP"),
     Conversion("VTG", 1, vtg, COURSE, "GP"),
     Conversion("GGA", 1, gga, (GnssPositionData,), "GP"),
@@ -538,7 +540,7 @@ HEAR: dict[type[Message], Hear] = {
 class Stream:
     """One line of the table at work: builds the sentence when its ceiling allows."""
 
-    __slots__ = ("_build", "_key", "_pace", "_standard", "_talker")
+    __slots__ = ("_build", "_clocked", "_key", "_pace", "_standard", "_talker")
 
     def __init__(self, conversion: Conversion, rate: float, dialect: str) -> None:
         self._build = conversion.build
@@ -546,10 +548,13 @@ class Stream:
         self._pace = Pace(1 / rate)
         self._talker = conversion.talker
         self._standard = dialect == "standard"
+        self._clocked = conversion.clocked and rate <= 1
 
     def say(self, truth: Truth, message: Message, now: float) -> Say | None:
         """The sentence that `message` brings about, if there is one. Raises EncodeError for an absurd value."""
         if now < self._pace.opens:
+            return None
+        if self._clocked and type(message) not in CLOCK and truth.clock_at(now) is not None:
             return None
         sentence = self._build(truth, message, now)
         if sentence is None:
@@ -569,7 +574,7 @@ class Converter:
         for conversion in CONVERSIONS:
             if wanted[conversion.formatter] > 0:
                 stream = Stream(conversion, wanted[conversion.formatter], dialect)
-                for message in conversion.messages:
+                for message in set(conversion.messages):
                     streams[message].append(stream)
         self._ways = {message: (hear, streams[message]) for message, hear in HEAR.items()}
 

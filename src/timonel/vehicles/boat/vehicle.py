@@ -99,7 +99,7 @@ class Boat:
         self._unplugged: set[int] = set()
         self._routes: dict[int, Route] = {}
         self._status_due = now
-        self._due = now
+        self._due: float | None = None
 
     @property
     def fast_packets(self) -> FastPacketCounters:
@@ -268,10 +268,9 @@ class Boat:
         It is asked for once a wake-up, so it is worked out anew only when something happened. What is merely heard
         puts deadlines off, or sets one of a second and more, and it is worked out at every STATUS too.
         """
+        if self._due is None:
+            self._due = min(self._status_due, self.helm.deadline)
         return self._due
-
-    def _look_ahead(self) -> None:
-        self._due = min(self._status_due, self.helm.deadline)
 
     def expire(self, now: float) -> list[Effect]:
         """What the passing of time brings about."""
@@ -281,11 +280,11 @@ class Boat:
             if self._status_due <= now:  # nobody called for a while
                 self._status_due = now + STATUS_INTERVAL
             effects.append(self._status(now))
-        self._look_ahead()
+        self._due = None
         return effects
 
     def _overdue(self, now: float) -> list[Effect]:
-        return self.expire(now) if now >= self._due else []
+        return self.expire(now) if now >= self.deadline else []
 
     # To the outside -------------------------------------------------------------------------------
 
@@ -299,7 +298,7 @@ class Boat:
         if status:
             effects.append(self._status(now))
         if effects:
-            self._look_ahead()
+            self._due = None
         return effects
 
     def _carry_out(self, event: Event, now: float) -> list[Effect]:
