@@ -143,7 +143,9 @@ def measure_peer(peer: Peer, seconds: float) -> Result:
     """The same of another program, with one reader: a socket for its bus and TCP to its reader, as for ours."""
     near, bus = socket.socketpair()
     program_end, reader_end = tcp_pair()
-    process = subprocess.Popen(peer.command, stdin=near, stdout=program_end, stderr=subprocess.DEVNULL)
+    process = subprocess.Popen(
+        peer.command, stdin=near.fileno(), stdout=program_end.fileno(), stderr=subprocess.DEVNULL
+    )
     os.sched_setaffinity(process.pid, {PROGRAM})
     where = Where(bus.fileno(), connected=reader_end.fileno())
     try:

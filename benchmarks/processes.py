@@ -162,7 +162,7 @@ class Heard(msgspec.Struct):
 
 
 class Where(msgspec.Struct, frozen=True):
-    """What to read: terminals, `clients` of a TCP port, a descriptor `connected` already; and the far end of the bus."""
+    """What to read: terminals, `clients` of a TCP port, what is `connected` already; and the far end of the bus."""
 
     bus: int
     terminals: tuple[str, ...] = ()

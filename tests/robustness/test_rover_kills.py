@@ -20,7 +20,6 @@ from timonel.vehicles.rover.drive import STALE
 MODULE_TIMEOUT = 0.4  # s
 SLACK = 0.15  # s that a busy computer may add
 TRIES = 3
-FORWARD = 60  # percent
 DRIVER = """
 import asyncio, sys
 from timonel.gateway.rover import Rover

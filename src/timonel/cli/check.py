@@ -8,7 +8,10 @@ from timonel.gateway.configuration import load
 @click.command()
 @click.argument("configuration", type=click.Path())
 def check(configuration: str) -> None:
-    """Tell everything that is wrong in CONFIGURATION (boat.toml, rover.toml), a line each; exit with 2 if there is anything."""
+    """Tell everything that is wrong in CONFIGURATION (boat.toml, rover.toml), a line each.
+
+    Exits with 2 if there is anything.
+    """
     loaded = load(configuration)
     stations, outputs = len(loaded.stations), len(loaded.outputs)
     click.echo(
