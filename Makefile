@@ -38,9 +38,14 @@ mutation: $(VENV)/dev
 
 docs: $(VENV)/dev
 	$(BIN)/python scripts/make_reference.py
+	$(BIN)/python scripts/make_stop_table.py
+	$(BIN)/python scripts/make_screenshot.py
 
 bench: $(VENV)/dev
 	$(BIN)/python -m benchmarks.live
+	$(BIN)/python -m benchmarks.codec
+	$(BIN)/python -m benchmarks.rover
+	$(BIN)/python -m benchmarks.framing
 
 lock: $(VENV)/dev
 	scripts/lock.sh

@@ -34,7 +34,6 @@ _BOAT = get_type_hints(BoatSettings, include_extras=True)
 _ADDRESS = _BOAT.pop("address")
 _BOAT.pop("rates")
 _ROVER = get_type_hints(RoverSettings, include_extras=True)
-_ROVER.pop("calibration", None)
 _KIND = {"kind": Literal["boat", "rover"]}
 _BASE = {"base": Literal["documented", "physical"]}
 _GATEWAY: Keys = {"flush": Literal["0ms", "2ms", "5ms"], "log": Literal["debug", "info", "warning", "error"]}
@@ -176,7 +175,8 @@ class _Reader:
     def rover(self) -> tuple[Settings, Protocol]:
         """The settings of a rover, and what its frames mean."""
         vehicle = self._sound("vehicle")
-        calibration = calibrated(self._tables["calibration"], self._wrong)
+        base = {"base": vehicle["calibration"]} if "calibration" in vehicle else {}
+        calibration = calibrated(base | self._tables["calibration"], self._wrong)
         protocol = Protocol(calibration, self._own_frames(vehicle.get("frames")))
         return RoverSettings(**_without(vehicle, "kind", "frames")), protocol
 

@@ -60,6 +60,12 @@ def test_what_is_not_said_has_the_defaults_of_the_specification() -> None:
     )
 
 
+def test_the_vehicle_names_its_calibration_and_the_table_may_differ_from_it() -> None:
+    named = SOUND.replace('kind = "rover"', 'kind = "rover"\ncalibration = "documented"')
+    assert parse(named).protocol.calibration == DOCUMENTED
+    assert parse(named + "[calibration]\nadc_volts = 5\n").protocol.calibration.adc_volts == 5
+
+
 def test_a_calibration_is_a_base_and_what_differs_from_it() -> None:
     calibration = parse(SOUND + '[calibration]\nbase = "documented"\nadc_volts = 5\n').protocol.calibration
     assert calibration.adc_volts == 5

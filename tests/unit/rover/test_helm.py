@@ -95,16 +95,40 @@ def test_a_speed_limit_is_the_commanders():
     assert helm.drive.wheels(0.1) == Wheels(50, 50)
 
 
-def test_a_commander_silent_for_two_seconds_is_released_and_people_are_told():
+def test_a_commander_that_falls_silent_while_driving_is_an_alarm():
     helm = driven_by(1)
-    effects = run(helm, 1.99)
+    effects = run(helm, 0.5)
     assert of(Permission, effects) == [Permission(False, "the commander fell silent")]
-    assert helm.transfer.commander == 1
-    effects = helm.expire(2.0)
-    assert of(Transferred, effects) == [Transferred(1, 0)]
     assert [e.alert.text for e in effects if isinstance(e, AlertChanged)] == [
-        "station 1 was in command and has not been heard for 2 s"
+        "station 1 was driving and has not been heard for 0.5 s"
     ]
+    assert helm.alerts.active(LINK_LOST)
+
+
+def test_a_commander_that_is_back_and_permits_anew_ends_the_alarm():
+    helm = driven_by(1)
+    run(helm, 0.6)
+    helm.stick(FORWARD, 1, 0.7)
+    helm.permission(True, 1, 0.7)
+    assert helm.alerts.active(LINK_LOST), "it pushes the stick, so it does not drive"
+    helm.stick(REST, 1, 0.8)
+    helm.permission(True, 1, 0.8)
+    assert not helm.alerts.active(LINK_LOST)
+
+
+def test_a_commander_that_stopped_before_it_went_is_no_alarm():
+    helm = driven_by(1)
+    helm.permission(False, 1, 0.1)
+    effects = run(helm, 3.0)
+    assert of(Transferred, effects) == [Transferred(1, 0)]
+    assert of(AlertChanged, effects) == []
+
+
+def test_a_commander_silent_for_two_seconds_is_released():
+    helm = driven_by(1)
+    run(helm, 1.99)
+    assert helm.transfer.commander == 1
+    assert of(Transferred, helm.expire(2.0)) == [Transferred(1, 0)]
     assert helm.alerts.active(LINK_LOST)
 
 

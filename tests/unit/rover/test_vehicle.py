@@ -395,15 +395,25 @@ def test_an_operators_end_says_stick_and_permission_and_never_a_set_point():
     assert (100, FORWARD) in sent(effects)
 
 
-def test_it_says_a_permission_three_times_and_a_stop_for_ever():
+def test_it_says_a_permission_three_times_and_a_stop_as_long_as_its_station_is_in_command():
     yard = operator()
     effects = yard.say("Router", (100, REST), (101, PERMIT))
     for _ in range(5):
         yard.bus((116, b"\x01"))
         effects += yard.hold("Router", REST, 0.4)
     assert sent(effects).count((101, PERMIT)) == 3
-    yard.say("Router", (101, FORBID))
-    assert sent(yard.until(yard.now + 10.0)).count((101, FORBID)) >= 49
+    effects = yard.say("Router", (101, FORBID))
+    for _ in range(5):
+        effects += yard.hold("Router", REST, 0.4)
+    assert sent(effects).count((101, FORBID)) >= 9
+
+
+def test_without_a_station_in_command_it_is_silent_so_that_others_may_drive_at_the_far_end():
+    yard = operator()
+    assert sent(yard.until(yard.now + 5.0)) == []
+    yard.say("Router", (100, REST), (101, PERMIT))
+    assert (101, FORBID) in sent(yard.until(yard.now + 3.0)), "a last stop"
+    assert sent(yard.until(yard.now + 5.0)) == []
 
 
 def test_it_stops_when_the_rover_falls_silent_for_half_a_second():

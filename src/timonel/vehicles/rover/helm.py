@@ -18,9 +18,10 @@ from timonel.core.alerts import Alerts
 from timonel.core.command import BRIDGE, NOBODY, CommandTransfer, OnTimeout, Transferred, Verb
 from timonel.core.effects import Event, Refused
 from timonel.vehicles.rover.alerts import LINK_LOST
-from timonel.vehicles.rover.drive import Drive, Stick, Stop
+from timonel.vehicles.rover.drive import SILENT, Drive, Permission, Stick, Stop
 
 LOST = 2.0  # s
+SILENCED = Permission(False, Stop.SILENT.value)
 
 
 class Helm:
@@ -59,7 +60,8 @@ class Helm:
         effects = self._claim(station, now, age)
         if station != self.transfer.commander:
             return effects
-        return effects + self.drive.permit(station, now)
+        permitted = self.drive.permit(station, now)
+        return effects + permitted + (self.alerts.rectify(LINK_LOST) if self.drive.permitted else [])
 
     def speed_limit(self, steps: int, station: int, now: float) -> list[Event]:
         """Frame 119."""
@@ -106,13 +108,15 @@ class Helm:
         """What the passing of time brings about."""
         if now < self.deadline:
             return []
-        effects = self.drive.expire(now) + self.alerts.expire(now)
+        effects = self._watched(self.drive.expire(now), now) + self.alerts.expire(now)
         if self.transfer.commander != NOBODY and now >= self._heard + LOST:
-            effects += self._lose(now)
+            released = self.transfer.receive(Verb.RELEASE, self.transfer.commander, now)
+            effects += self._passed(released, now)
         return effects + self._passed(self.transfer.expire(now), now)
 
-    def _lose(self, now: float) -> list[Event]:
-        commander = self.transfer.commander
-        text = f"station {commander} was in command and has not been heard for {LOST:g} s"
-        lost = self.alerts.arise(LINK_LOST, text, now)
-        return lost + self._passed(self.transfer.receive(Verb.RELEASE, commander, now), now)
+    def _watched(self, effects: list[Event], now: float) -> list[Event]:
+        """Who falls silent while driving is an alarm; who had stopped before may go."""
+        if SILENCED not in effects:
+            return effects
+        text = f"station {self.transfer.commander} was driving and has not been heard for {SILENT:g} s"
+        return effects + self.alerts.arise(LINK_LOST, text, now)

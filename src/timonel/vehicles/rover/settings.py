@@ -17,8 +17,10 @@ class RoverSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     dialect: Literal["strzyga", "strzyga-crc", "hal062"] = "strzyga"
     """How frames are written on the stations' links, and on the link to a controller."""
     calibration: Literal["documented", "physical"] = "physical"
-    request_timeout: Literal["transfer", "deny"] = "transfer"
-    """What a request comes to that the commander leaves unanswered."""
+    """What raw values mean: the original's formulas to the letter, or mended. `[calibration]` has the constants."""
+    request_timeout: Literal["transfer", "deny"] = "deny"
+    """What a request comes to that the commander leaves unanswered. Who drives has no hand free to answer, and no
+    word for it on the wire; who is gone is released after 2 s anyway."""
     request_seconds: Seconds = 10.0
     idle: ShortSeconds = 0.005
     """How long a silence proves the frame before it, s."""

@@ -16,12 +16,12 @@ cannot keep up the newest of each takes the place of an older one.
 from collections import Counter
 from collections.abc import Sequence
 
-from timonel.core.command import OnTimeout
+from timonel.core.command import NOBODY, OnTimeout, Transferred
 from timonel.core.effects import Effect, Event, Refused, Rejected, Say, SecurityEvent, Transmit
 from timonel.core.frame import Frame
 from timonel.core.pace import Pace
 from timonel.vehicles.rover.declaration import Party
-from timonel.vehicles.rover.drive import SILENT, STOP_PERIOD, Drive, Permission, Stick, Stop, Wheels
+from timonel.vehicles.rover.drive import SILENT, STOP_BURST, STOP_PERIOD, Drive, Permission, Stick, Stop, Wheels
 from timonel.vehicles.rover.frames import (
     CurrentLimit,
     DriveCode,
@@ -82,6 +82,7 @@ class Rover:
         self._enable_due = now
         self._grants_left = 0
         self._bus_heard = now
+        self._last_words = now
 
     @property
     def drive(self) -> Drive:
@@ -252,6 +253,8 @@ class Rover:
                     self._watch.told(event, now)
                     effects += self._turn(event, now)
                     continue
+                case Transferred(commander=commander) if commander == NOBODY:
+                    self._last_words = now + STOP_BURST
                 case Permission():
                     self._watch.permission(event, now)
                     self._grants_left = GRANTS
@@ -261,7 +264,15 @@ class Rover:
             effects.append(event)
         return effects
 
+    def _speaks(self, now: float) -> bool:
+        """A controller always; an operator's end only for a station in command, and to say a last stop. Its 100
+        would take command at the far end, and its 101 stop whoever drives there."""
+        ours = self.helm.transfer.commander != NOBODY
+        return ours or self.settings.role == "controller" or now < self._last_words
+
     def _turn(self, wheels: Wheels, now: float) -> list[Effect]:
+        if not self._speaks(now):
+            return []
         if self.settings.role == "operator":
             stick = self.drive.obeyed(now)
             return [self._transmit(DriveCommand.FRAME, bytes((stick.y & 0xFF, stick.x & 0xFF)))]
@@ -273,6 +284,8 @@ class Rover:
     def _enable(self, now: float) -> list[Effect]:
         """Frame 101 as it stands; also repeated, since nobody acknowledges it."""
         self._enable_due = now + STOP_PERIOD
+        if not self._speaks(now):
+            return []
         if not self.drive.permitted:
             return [self._transmit(DriveEnable.FRAME, FORBID)]
         self._grants_left -= 1
