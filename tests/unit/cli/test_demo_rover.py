@@ -1,6 +1,7 @@
 import os
 import signal
 import socket
+import time
 from contextlib import closing
 from pathlib import Path
 
@@ -51,8 +52,9 @@ def test_the_demo_shows_a_rover_that_obeys_its_stations_until_ctrl_c(tmp_path: P
             try:
                 operator = socket.create_connection(("127.0.0.1", port), 10)
                 break
-            except ConnectionRefusedError:
+            except ConnectionError:  # refused, or reset in the moment it begins to listen
                 assert demo.poll() is None
+                time.sleep(0.05)
         with closing(operator):
             operator.settimeout(10)
             assert b"#" in operator.recv(4096)
