@@ -37,15 +37,18 @@ class Helm:
         self.pilot = Pilot(self.alerts, now)
 
     def receive(self, command: parp.Command, station: int, now: float) -> list[Event]:
-        """What `station` commands at `now` (s), and what follows from it."""
-        overdue = self.expire(now)
+        """What `station` commands at `now` (s), and what follows from it; first of all what is overdue."""
+        return self.expire(now) + self.obey(command, station, now)
+
+    def obey(self, command: parp.Command, station: int, now: float) -> list[Event]:
+        """The same where nothing is overdue: between a key and the rudder it is looked at once."""
         if command.verb in TRANSFER:
             effects = self.transfer.receive(TRANSFER[command.verb], station, now, command.requester)
         elif station != self.transfer.commander:
             effects = [Refused("not in command", station)]
         else:
             effects = self._steer(command, station, now)
-        return overdue + self._with_alert(effects, now)
+        return self._with_alert(effects, now)
 
     def _steer(self, command: parp.Command, station: int, now: float) -> list[Event]:
         match command.verb:

@@ -235,7 +235,7 @@ class Boat:
             self.counters["commands of another station"] += 1
             return [SecurityEvent("another station's id", wire.port.name, command.station or 0)]
         self.counters["commands"] += 1
-        return self._tell(self.helm.receive(command, station, now), now, status=True)
+        return self._tell(self.helm.obey(command, station, now), now, status=True)
 
     def _receive_sentence(self, wire: Wire, sentence: bytes, now: float) -> list[Effect]:
         """Of the standard's sentences a station may acknowledge alerts; the rest is not for us."""
