@@ -34,6 +34,7 @@ TESTS = {
     "timonel.vehicles.rover.helm": ("tests/unit/rover/test_helm.py", "tests/property/test_rover_exploration.py"),
 }
 PATIENCE = 120  # s for the tests of one mutant; a mutant that hangs is noticed
+UNIT_PATIENCE = 20  # the same for unit tests, which take a second or two
 
 COMPARISONS: dict[type[ast.cmpop], list[type[ast.cmpop]]] = {
     ast.Lt: [ast.LtE, ast.GtE],
@@ -170,7 +171,7 @@ def fails(target: str, source: str, tests: str) -> bool:
 
 def run_tests(target: str, source: str, tests: str) -> None:
     """Never returns: the process ends with the tests' verdict."""
-    signal.alarm(PATIENCE)
+    signal.alarm(UNIT_PATIENCE if tests.startswith("tests/unit") else PATIENCE)
     silence = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silence, 1)
     os.dup2(silence, 2)
