@@ -10,7 +10,7 @@ help:
 	@echo "make demo      a simulated boat, the gateway, and what to connect to it"
 	@echo "make test      every check that a change must pass"
 	@echo "make test-all  those, and the slow ones (a real SocketCAN bus in a virtual machine, a million mutations)"
-	@echo "make mutation  break the safety machines on purpose and see the tests notice (CI runs it too)"
+	@echo "make mutation  break the safety machines on purpose and see the tests notice"
 	@echo "make bench     the tables of docs/performance.md"
 	@echo "make docs      the reference pages that are made from the declarations"
 	@echo "make lock      resolve the pinned versions anew"
