@@ -179,6 +179,7 @@ def run_tests(target: str, source: str, tests: str) -> None:
     try:
         module = ModuleType(target)
         module.__package__ = target.rpartition(".")[0]
+        importlib.import_module(module.__package__)
         sys.modules[target] = module
         exec(compile(source, target, "exec"), module.__dict__)
         setattr(sys.modules[module.__package__], target.rpartition(".")[2], module)
@@ -209,6 +210,8 @@ def main(wanted: str = "") -> int:
     jobs = []
     for target in TESTS:
         path = ROOT / "src" / (target.replace(".", "/") + ".py")
+        if noticed(target, path.read_text()):
+            raise SystemExit(f"{target}: its tests fail without any mutation")
         jobs += [(target, name, source) for name, source in mutants(path.read_text()) if wanted in name]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         verdicts = list(pool.map(lambda job: noticed(job[0], job[2]), jobs))
