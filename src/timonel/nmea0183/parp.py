@@ -13,6 +13,7 @@ command is taken to the letter or not at all: no blank, lower case, exponent, pl
 
 import re
 from enum import StrEnum
+from functools import lru_cache
 
 import msgspec
 
@@ -92,9 +93,11 @@ Report = Status | CommandTransferred | CommandRequested
 
 _VERBS = {verb.value.encode(): verb for verb in Verb}
 _SHORT = frozenset({Verb.RELCMD, Verb.ACKCMD, Verb.DENYCMD})
+_NUMBERS = ("00", "01", "02", "03", "04")
 _STATIONS = {b"01": 1, b"02": 2, b"03": 3, b"04": 4}
 _COMMANDERS = {b"00": 0, **_STATIONS}
 _MODES = {mode.value.encode(): mode for mode in PilotMode}
+_PRINTED = tuple(f"{whole:03d}.{tenth}" for whole in range(360) for tenth in range(10))
 
 _PARAMETER = re.compile(rb"(-?)([0-9]{1,4})(?:\.([0-9]{1,4}))?")
 _DEGREES = re.compile(rb"[0-9]{1,3}(?:\.[0-9]{1,4})?")
@@ -141,6 +144,8 @@ def command(verb: Verb, station: int, parameter: float = 0.0) -> bytes:
     return seal(f"PARP,{verb},{text},{_station(station, 1)}")
 
 
+# A head says the same dozen sentences over and over, and each is waited for.
+@lru_cache(maxsize=1024)
 def read_command(sentence: bytes) -> Command | Fault:
     """The command of one framed sentence, or why it is none."""
     body = verify(sentence)
@@ -239,16 +244,15 @@ def _number(grammar: re.Pattern[bytes], text: bytes) -> float | None:
 
 
 def _tenths(degrees: float, label: str) -> int:
-    """`degrees` in tenths, rounded as it would print, not yet wrapped."""
+    """`degrees` in tenths, rounded to nearest, not yet wrapped."""
     if abs(degrees) < 1e9:
-        return int(f"{degrees:.1f}".replace(".", ""))
+        return round(degrees * 10)
     raise EncodeError(f"{label}: {degrees} is not an angle")
 
 
 def _degrees(tenths: int) -> str:
     """`000.0`..`359.9`."""
-    whole, tenth = divmod(tenths % TURN, 10)
-    return f"{whole:03d}.{tenth}"
+    return _PRINTED[tenths % TURN]
 
 
 def _rudder(degrees: float | None) -> str:
@@ -261,5 +265,5 @@ def _rudder(degrees: float | None) -> str:
 
 def _station(number: int, lowest: int) -> str:
     if lowest <= number <= 4:
-        return f"{number:02d}"
+        return _NUMBERS[number]
     raise EncodeError(f"station: {number} is outside {lowest}..4")

@@ -49,6 +49,8 @@ LONGEST = 223
 
 _STREAM = 0x3FFFFFF  # an identifier without its priority, which a sender may change
 _PADDING = b"\xff" * 7
+_HEADS = [[bytes((sequence << 5 | index,)) for index in range(32)] for sequence in range(8)]
+_SIZES = [bytes((size,)) for size in range(LONGEST + 1)]
 _SPENT = 32  # `next` of a slot whose message is lost: no frame has this index
 
 
@@ -238,11 +240,12 @@ def fragment(payload: bytes, sequence: int) -> list[bytes]:
     """
     if len(payload) > LONGEST:
         raise EncodeError(f"fast packet: {len(payload)} bytes are more than {LONGEST}")
-    counter = (sequence & 7) << 5
+    heads = _HEADS[sequence & 7]
+    size = len(payload)
     padded = payload + _PADDING
-    frames = [bytes((counter, len(payload))) + padded[:6]]
-    for index, start in enumerate(range(6, len(payload), 7), 1):
-        frames.append(bytes((counter | index,)) + padded[start : start + 7])
+    frames = [heads[0] + _SIZES[size] + padded[:6]]
+    for index in range(1, 1 + size // 7):
+        frames.append(heads[index] + padded[7 * index - 1 : 7 * index + 6])
     return frames
 
 

@@ -76,7 +76,7 @@ class Helm:
 
     def _with_alert(self, effects: list[Event], now: float) -> list[Event]:
         for effect in effects:
-            if isinstance(effect, Transferred):
+            if type(effect) is Transferred:  # isinstance asks the metaclass: five times as slow
                 return effects + self._watch_commander(effect, now)
         return effects
 

@@ -21,7 +21,7 @@ while it is ours: until the pilot reports a mode or a set point that somebody ga
 that both repeat would fight over the rudder.
 """
 
-from enum import Enum
+from enum import StrEnum
 
 import msgspec
 
@@ -39,7 +39,7 @@ HEADING_LOST_TEXT = f"no heading for {DATA_AGE:g} s while holding one"
 SAME_COURSE = 5  # tenths: pilots that hold whole or half degrees still confirm
 
 
-class Mode(Enum):
+class Mode(StrEnum):
     """What the pilot does. The value is the word in STATUS; a mode nobody understands is an empty field."""
 
     STANDBY = "STANDBY"

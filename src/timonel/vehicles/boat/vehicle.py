@@ -48,7 +48,7 @@ STATUS = "STATUS"
 STATUS_INTERVAL = 0.5  # s
 MODES = {mode: None if mode is Mode.UNKNOWN else parp.PilotMode(mode.value) for mode in Mode}
 REFERENCES = {"true": HeadingReference.TRUE, "magnetic": HeadingReference.MAGNETIC}
-SHOWN = (Transferred, Requested, Denied, Overridden, PilotChanged, Refused)
+SHOWN = frozenset({Transferred, Requested, Denied, Overridden, PilotChanged, Refused})
 PILOT_MESSAGES = (
     HeadingTrackControl,
     SeatalkPilotMode,
@@ -223,7 +223,7 @@ class Boat:
 
     def _receive_command(self, wire: Wire, sentence: bytes, now: float) -> list[Effect]:
         command = parp.read_command(sentence)
-        if isinstance(command, Fault):
+        if not isinstance(command, parp.Command):
             return self._reject(command, sentence, wire)
         if not wire.allowance.take(now):
             return self._flood(wire, sentence)
@@ -293,27 +293,29 @@ class Boat:
         effects: list[Effect] = []
         for event in events:
             effects.append(event)
-            effects += self._carry_out(event, now)
-            status = status or isinstance(event, SHOWN)
+            kind = type(event)
+            if (carry_out := CARRY_OUT.get(kind)) is not None:
+                effects += carry_out(self, event, now)
+            status = status or kind in SHOWN
         if status:
             effects.append(self._status(now))
         if effects:
             self._due = None
         return effects
 
-    def _carry_out(self, event: Event, now: float) -> list[Effect]:
-        match event:
-            case Steer(setpoint):
-                heading = self.helm.pilot.heading(now)
-                return [Transmit(frame) for frame in self._driver.steer(setpoint, heading)]
-            case Transferred(previous, commander):
-                transfer = Say(parp.cmdtransfer(previous, commander), "CMDTRANSFER", urgent=True)
-                return [transfer, *self._tell(self._watch_commander(now), now)]
-            case Requested(station):
-                return [Say(parp.cmdrequest(station), "CMDREQUEST", urgent=True)]
-            case AlertChanged(alert):
-                return [Say(self._alr(alert, now), "ALR", urgent=True)]
-        return []
+    def _steer(self, steer: Steer, now: float) -> list[Effect]:
+        heading = self.helm.pilot.heading(now)
+        return [Transmit(frame) for frame in self._driver.steer(steer.setpoint, heading)]
+
+    def _transferred(self, event: Transferred, now: float) -> list[Effect]:
+        transfer = Say(parp.cmdtransfer(event.previous, event.commander), "CMDTRANSFER", urgent=True)
+        return [transfer, *self._tell(self._watch_commander(now), now)]
+
+    def _requested(self, event: Requested, now: float) -> list[Effect]:
+        return [Say(parp.cmdrequest(event.station), "CMDREQUEST", urgent=True)]
+
+    def _alert_changed(self, event: AlertChanged, now: float) -> list[Effect]:
+        return [Say(self._alr(event.alert, now), "ALR", urgent=True)]
 
     def _status(self, now: float) -> Say:
         pilot = self.helm.pilot
@@ -331,3 +333,12 @@ class Boat:
         clock = self.truth.clock_at(now)
         time = None if clock is None else clock.second
         return ALR(time, alert.kind.id, alert.active, alert.acknowledged, alert.kind.name).encode()
+
+
+CARRY_OUT: dict[type[Event], Callable[..., list[Effect]]] = {
+    Steer: Boat._steer,
+    Transferred: Boat._transferred,
+    Requested: Boat._requested,
+    AlertChanged: Boat._alert_changed,
+}
+"""What an event makes the gateway say and do, beyond telling of it."""
