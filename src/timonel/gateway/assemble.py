@@ -12,7 +12,7 @@ from timonel.gateway.gateway import Channel, Gateway
 from timonel.gateway.variation import variation
 from timonel.links.link import BusLink, ByteLink
 from timonel.links.uart_bus import UartBus
-from timonel.links.urls import bus_link, byte_link, with_default
+from timonel.links.urls import bus_link, byte_link, commanding_link, with_default
 from timonel.vehicles.boat.settings import BoatSettings, Port
 from timonel.vehicles.boat.vehicle import Boat
 from timonel.vehicles.rover.declaration import Party
@@ -78,7 +78,7 @@ def _rover_bus(url: str, settings: RoverSettings, protocol: Protocol) -> BusLink
     if settings.role == "controller":
         return bus_link(with_default(url, "bitrate", str(ROVER_BITRATE)), name="bus")
     framer = DIALECTS[settings.dialect](protocol.lengths(Party.OPERATOR), settings.idle)
-    return UartBus(byte_link(with_default(url, "raw", "yes"), name="bus"), framer)
+    return UartBus(commanding_link(with_default(url, "raw", "yes"), name="bus"), framer)
 
 
 def _framing(vehicle: Rover, port: str) -> Mapping[str, int]:

@@ -40,7 +40,7 @@ from timonel.errors import ConfigError, EncodeError, NoAnswerError, RefusedError
 from timonel.gateway import own_frames
 from timonel.gateway.telemetry import Battery, LinkQuality, LinkWatch, Position, Telemetry, Wheel
 from timonel.links.uart_bus import UartBus
-from timonel.links.urls import byte_link, with_default
+from timonel.links.urls import commanding_link, with_default
 from timonel.vehicles.rover.calibration import CALIBRATIONS, PHYSICAL, Calibration
 from timonel.vehicles.rover.declaration import Party, RoverFrame
 from timonel.vehicles.rover.frames import (
@@ -164,7 +164,8 @@ class Rover:
             calibration = _chosen("calibration", calibration, CALIBRATIONS)
         protocol = Protocol(calibration, () if frames is None else own_frames.load(frames))
         framer = _chosen("dialect", dialect, DIALECTS)(protocol.lengths(Party.OPERATOR))
-        return cls(UartBus(byte_link(with_default(url, "raw", "yes"), name="rover"), framer), protocol, station=station)
+        link = commanding_link(with_default(url, "raw", "yes"), name="rover")
+        return cls(UartBus(link, framer), protocol, station=station)
 
     async def __aenter__(self) -> Self:
         self._loop = asyncio.get_running_loop()

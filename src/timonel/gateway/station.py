@@ -29,7 +29,7 @@ from timonel.errors import EncodeError, NoAnswerError, RefusedError, StationErro
 from timonel.gateway.lookout import STALE, Back, Lookout, Lost, Request, StationEvent, StationStatus
 from timonel.gateway.verdict import CommandVerdict, Done, Grant, Refusal, RequestVerdict, Verdict, named
 from timonel.links.link import ByteLink
-from timonel.links.urls import byte_link
+from timonel.links.urls import byte_link, commanding_link
 from timonel.nmea0183 import parp
 from timonel.nmea0183.parp import PilotMode, Verb
 
@@ -114,7 +114,7 @@ class Station:
         """
         out_port = None if out is None else byte_link(out, name="OUT port")
         return cls(
-            byte_link(url, name="IN port" if out else "port"),
+            commanding_link(url, name="IN port" if out else "port"),
             out_port,
             station=station,
             request_seconds=request_seconds,

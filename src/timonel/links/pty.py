@@ -37,7 +37,14 @@ class PtyLink(Port):
         assert self._fd is not None
         if not in_use(self._fd):
             raise OSError("no program has it open")
-        return Wire(self._fd, receive=self._receive, lost=self._lost, release=self._empty, tally=self._tally)
+        return Wire(
+            self._fd,
+            receive=self._receive,
+            lost=self._lost,
+            release=self._empty,
+            tally=self._tally,
+            stale_after=self.stale_after,
+        )
 
     def _make_terminal(self) -> None:
         fd, program_end = os.openpty()

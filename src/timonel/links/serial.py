@@ -83,6 +83,7 @@ class SerialLink(OnSerial[bytes], Port):
             release=partial(close_serial, port),
             tally=self._tally,
             room=partial(room_on_line, fd, self.baud),
+            stale_after=self.stale_after,
         )
 
     def _pending(self) -> bool:

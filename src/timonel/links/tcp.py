@@ -47,6 +47,7 @@ class TcpLink(Port):
             lost=self._lost,
             release=stream.close,
             tally=self._tally,
+            stale_after=self.stale_after,
         )
 
     async def _reach(self) -> socket.socket:

@@ -23,6 +23,7 @@ Carries = Literal["bytes", "frames"]
 Value = str | int | float | bool | None
 Values = dict[str, Value]
 
+COMMAND_AGE = 0.5  # s that a command may wait to be sent
 BITRATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000, 1_000_000)
 
 
@@ -56,6 +57,16 @@ def byte_link(url: str, *, name: str = "") -> ByteLink:
     """`link` for a port; raises LinkError for the URL of a bus too."""
     check(url, "bytes")
     return cast(ByteLink, link(url, name=name))
+
+
+def commanding_link(url: str, *, name: str = "") -> ByteLink:
+    """`byte_link` for who commands: what could not go out within half a second is dropped, never sent late."""
+    from timonel.links.wire import Port
+
+    made = byte_link(url, name=name)
+    if isinstance(made, Port):
+        made.stale_after = COMMAND_AGE
+    return made
 
 
 def bus_link(url: str, *, name: str = "") -> BusLink:

@@ -206,7 +206,9 @@ class Wired(Kept[Incoming]):
 
 
 class Port(Wired[bytes]):
-    """A port over one wire."""
+    """A port over one wire. With `stale_after` it sends nothing that had to wait longer; see `Wire`."""
+
+    stale_after: float | None = None
 
     def send(self, lines: Sequence[Say]) -> None:
         if self._wire is None:

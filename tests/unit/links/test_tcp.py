@@ -4,6 +4,7 @@ from contextlib import asynccontextmanager
 
 from tests.unit.links.far_side import Ear, descriptors, line, until
 from timonel.links.tcp import TcpLink
+from timonel.links.urls import byte_link, commanding_link
 
 
 class Server:
@@ -184,3 +185,31 @@ def test_a_listener_whose_own_code_fails_does_not_end_the_link(monkeypatch):
         await server.stop()
 
     asyncio.run(session())
+
+
+def test_a_command_that_could_not_go_out_in_time_is_never_sent():
+    async def what_comes_after_a_stall(make) -> bytes:
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            server.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            ear = Ear()
+            link = make(f"tcp://127.0.0.1:{server.getsockname()[1]}")
+            await link.open(ear.receive, ear.changed)
+            far, _ = await asyncio.to_thread(server.accept)
+            with far:
+                await until(lambda: ear.connected)
+                for number in range(5000):
+                    link.send([line(f"{number:0200}", key=str(number))])
+                link.send([line("$PARP,STBDTEN,0.0,01", urgent=True)])
+                await asyncio.sleep(0.6)
+                heard = b""
+                far.settimeout(0.3)
+                try:
+                    while data := await asyncio.to_thread(far.recv, 1 << 20):
+                        heard += data
+                except TimeoutError:
+                    pass
+            await link.close(drain=0)
+            return heard
+
+    assert b"STBDTEN" not in asyncio.run(what_comes_after_a_stall(commanding_link))
+    assert b"STBDTEN" in asyncio.run(what_comes_after_a_stall(byte_link))

@@ -97,6 +97,17 @@ def test_a_stop_withdraws_permission_and_says_so_once():
     assert drive.stick(FORWARD, 1, 0.3) == []
 
 
+@pytest.mark.parametrize(
+    ("reason", "told"),
+    [
+        (Stop.ROVER_SILENT, "the rover fell silent"),
+        (Stop.UNPLUGGED, "the link of the commander was unplugged"),
+    ],
+)
+def test_a_stop_says_why(reason: Stop, told: str):
+    assert driving().stop(reason, 0.1) == [Permission(False, told), STANDSTILL]
+
+
 def test_who_still_pushes_the_stick_after_a_stop_is_not_permitted():
     drive = driving()
     drive.stop(Stop.ORDERED, 0.1)
@@ -123,6 +134,7 @@ def test_a_stick_out_of_range_is_refused_and_moves_nothing(stick: Stick):
 def test_the_edges_of_the_range_are_within():
     drive = permitted()
     assert drive.stick(Stick(100, -100), 1, 0.0) == [Wheels(100, 0)]
+    assert drive.stick(Stick(-100, 100), 1, 0.1) == [Wheels(-100, 0)]
 
 
 @pytest.mark.parametrize("limit", [0, 21, 255])
@@ -178,8 +190,24 @@ def test_silence_counts_for_the_set_points_even_before_anybody_looks():
     drive = driving()
     assert drive.wheels(0.19) == Wheels(100, 100)
     assert drive.wheels(0.2) == STANDSTILL
-    drive.stick(FORWARD, 1, 0.6)
-    assert drive.wheels(0.6) == STANDSTILL, "nobody was heard for half a second"
+    drive.stick(FORWARD, 1, 0.4)
+    assert drive.wheels(0.49) == Wheels(100, 100)
+    assert drive.wheels(0.5) == STANDSTILL, "nobody was heard for half a second"
+
+
+def test_a_stick_is_as_old_as_its_bytes():
+    drive = permitted()
+    drive.stick(FORWARD, 1, 0.10, age=0.05)
+    assert drive.wheels(0.24) == Wheels(100, 100)
+    assert drive.wheels(0.25) == STANDSTILL
+
+
+def test_silence_counts_from_the_bytes_that_were_heard_last():
+    drive = permitted()
+    drive.heard(0.3, age=0.1)
+    assert drive.expire(0.69)[-1] == STANDSTILL
+    assert drive.permitted
+    assert drive.expire(0.7) == [Permission(False, "the commander fell silent"), STANDSTILL]
 
 
 # Repetition ---------------------------------------------------------------------------------------
@@ -223,6 +251,22 @@ def test_a_stop_is_repeated_fast_at_first_and_for_ever_after():
     assert len([now for now in times if now <= 1.5]) >= 24
     assert times[-1] - times[-2] == pytest.approx(0.2)
     assert times[-1] > 2.79
+
+
+def test_half_a_second_after_a_stop_its_repetition_slows_down():
+    drive = driving()
+    drive.stop(Stop.ORDERED, 1.0)
+    drive.expire(1.49)
+    assert drive.deadline == pytest.approx(1.51)
+    drive.expire(1.5 + 0.02)
+    assert drive.deadline == pytest.approx(1.72)
+
+
+def test_the_burst_after_a_stop_ends_to_the_moment():
+    drive = driving()
+    drive.stop(Stop.ORDERED, 1.0)
+    drive.expire(1.5)
+    assert drive.deadline == pytest.approx(1.7)
 
 
 def test_at_power_on_the_wheels_are_told_to_stand():

@@ -94,7 +94,7 @@ class Drive:
         self.permitted = False
         self.speed_limit = LIMIT_STEPS
         self._stick = AT_REST
-        self._stick_heard = now - STALE
+        self._stick_heard = now
         self._heard = now
         self._burst_until = now
         self._next = now
