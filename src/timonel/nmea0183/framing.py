@@ -43,9 +43,9 @@ class SentenceFramer:
         for line in lines:
             if not line:
                 continue
-            start = max(line.rfind(b"$"), line.rfind(b"!"))
-            if start:
-                line = self._from_start(line, start)
+            start = line.rfind(b"$")
+            if start or b"!" in line:
+                line = self._from_start(line, max(start, line.rfind(b"!")))
             if not line:
                 continue
             if len(line) > self.longest:

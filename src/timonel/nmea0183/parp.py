@@ -97,6 +97,7 @@ _NUMBERS = ("00", "01", "02", "03", "04")
 _STATIONS = {b"01": 1, b"02": 2, b"03": 3, b"04": 4}
 _COMMANDERS = {b"00": 0, **_STATIONS}
 _MODES = {mode.value.encode(): mode for mode in PilotMode}
+_STANDBY = PilotMode.STANDBY
 _PRINTED = tuple(f"{whole:03d}.{tenth}" for whole in range(360) for tenth in range(10))
 
 _PARAMETER = re.compile(rb"(-?)([0-9]{1,4})(?:\.([0-9]{1,4}))?")
@@ -117,7 +118,7 @@ def status(
     Heading and set point are normalised modulo 360, the rudder is positive to starboard. Raises EncodeError
     for a number that is not finite and for a commander outside 0..4.
     """
-    setpoint = 0 if mode is PilotMode.STANDBY else setpoint_tenths
+    setpoint = 0 if mode is _STANDBY else setpoint_tenths
     heading = "" if heading_deg is None else _degrees(_tenths(heading_deg, "STATUS.heading"))
     return seal(
         f"PARP,STATUS,{mode or ''},{'' if setpoint is None else _degrees(setpoint)},"

@@ -10,6 +10,8 @@ from timonel.nmea2000.lookups import HeadingReference, SteeringMode, YesNo
 from timonel.nmea2000.messages.steering import HeadingTrackControl
 
 PRIORITY = 2
+# Looked up once: a member of an enum costs as much as a call, and these stand between a key and the rudder.
+HOLD, LET_GO, NO = SteeringMode.HEADING_CONTROL, SteeringMode.MAIN_STEERING, YesNo.NO
 
 
 class Driver(Protocol):
@@ -37,8 +39,8 @@ class StandardPilot:
     def steer(self, setpoint: int | None, heading: float | None) -> list[Frame]:
         """See `Driver`. Runs between a station's key and the rudder: keep it short."""
         payload = HeadingTrackControl(
-            override=YesNo.NO,
-            steering_mode=SteeringMode.MAIN_STEERING if setpoint is None else SteeringMode.HEADING_CONTROL,
+            override=NO,
+            steering_mode=LET_GO if setpoint is None else HOLD,
             heading_reference=self._reference,
             heading_to_steer_course=None if setpoint is None else radians(setpoint / 10),
             vessel_heading=None if heading is None else radians(heading),

@@ -51,15 +51,15 @@ class Helm:
         return self._with_alert(effects, now)
 
     def _steer(self, command: parp.Command, station: int, now: float) -> list[Event]:
+        if (change := TURNS.get(command.verb)) is not None:
+            return self.pilot.turn(change, station, now)
         match command.verb:
             case parp.Verb.ENGAGE:
                 return self.pilot.engage(station, now)
             case parp.Verb.DISENGAGE:
                 return self.pilot.disengage(now)
-            case parp.Verb.SETHEADING:
+            case _:
                 return self.pilot.set_heading(command.heading_tenths or 0, station, now)
-            case turn:
-                return self.pilot.turn(TURNS[turn], station, now)
 
     @property
     def deadline(self) -> float:

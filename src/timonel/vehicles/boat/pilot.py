@@ -49,6 +49,10 @@ class Mode(StrEnum):
     UNKNOWN = ""
 
 
+# Looked up once: a member of an enum costs as much as a call, and these stand between a key and the rudder.
+STANDBY, HEADING_HOLD, ALARM, UNKNOWN = Mode.STANDBY, Mode.HEADING_HOLD, Mode.ALARM, Mode.UNKNOWN
+
+
 class Steer(Event, frozen=True, gc=False):
     """Tell the pilot: hold `setpoint` (tenths of a degree), or let go if `setpoint` is None."""
 
@@ -98,7 +102,7 @@ class Pilot:
 
     def __init__(self, alerts: Alerts, now: float) -> None:
         self._alerts = alerts
-        self._mode = Mode.STANDBY
+        self._mode = STANDBY
         self._setpoint: int | None = None
         self._alarm = False
         self._bus_heard = now
@@ -119,12 +123,12 @@ class Pilot:
     @property
     def mode(self) -> Mode:
         """The mode for STATUS: ALARM covers whatever the pilot was doing."""
-        return Mode.ALARM if self._alarm else self._mode
+        return ALARM if self._alarm else self._mode
 
     @property
     def setpoint(self) -> int | None:
         """The set point for STATUS in tenths of a degree: 0 in STANDBY, None where it is not known."""
-        return 0 if self._mode is Mode.STANDBY else self._setpoint
+        return 0 if self._mode is STANDBY else self._setpoint
 
     def heading(self, now: float) -> float | None:
         """The present heading in degrees; None if the last one is 3 s old."""
@@ -173,21 +177,21 @@ class Pilot:
         heading = self.heading(now)
         if heading is None:
             return [Refused("no heading", station)]
-        return self._steer(Mode.HEADING_HOLD, tenths(heading), now)
+        return self._steer(HEADING_HOLD, tenths(heading), now)
 
     def disengage(self, now: float) -> list[Event]:
         """Let go of the rudder. Always accepted."""
         self._alarm = False
         self._recover_at = None
-        effects = self._alerts.rectify(HEADING_LOST) + self._steer(Mode.STANDBY, None, now)
+        effects = self._alerts.rectify(HEADING_LOST) + self._steer(STANDBY, None, now)
         self._may_hold = self._bus_silent
         return effects
 
     def set_heading(self, setpoint: int, station: int, now: float) -> list[Event]:
         """Hold `setpoint`, tenths of a degree."""
-        if self.mode is not Mode.HEADING_HOLD:
+        if self.mode is not HEADING_HOLD:
             return [Refused("not in heading hold", station)]
-        return self._steer(Mode.HEADING_HOLD, setpoint % TURN, now)
+        return self._steer(HEADING_HOLD, setpoint % TURN, now)
 
     def turn(self, change: int, station: int, now: float) -> list[Event]:
         """Move the set point by `change` tenths of a degree, starboard positive."""
@@ -233,7 +237,7 @@ class Pilot:
 
     @property
     def _watches_heading(self) -> bool:
-        return self.mode is Mode.HEADING_HOLD and self._heading is not None
+        return self.mode is HEADING_HOLD and self._heading is not None
 
     @property
     def _watches_pilot(self) -> bool:
@@ -247,7 +251,7 @@ class Pilot:
 
     def _steer(self, mode: Mode, setpoint: int | None, now: float) -> list[Event]:
         self._command = Command(mode, setpoint, now + FOLLOW_TIME)
-        self._ours = self._may_hold = mode is Mode.HEADING_HOLD
+        self._ours = self._may_hold = mode is HEADING_HOLD
         self._repeat_at = now + REPEAT_INTERVAL
         return [*self._show(mode, setpoint), Steer(setpoint)]
 
@@ -259,13 +263,13 @@ class Pilot:
         if report.mode is None:
             return []
         setpoint = self._reported_setpoint(report)
-        self._ours = self._ours and report.mode is Mode.HEADING_HOLD and self._is_ours(setpoint)
+        self._ours = self._ours and report.mode is HEADING_HOLD and self._is_ours(setpoint)
         if (report.mode, setpoint) == (self._mode, self._setpoint):
             return []
         return self._show(report.mode, setpoint)
 
     def _reported_setpoint(self, report: PilotReport) -> int | None:
-        if report.mode is Mode.STANDBY:
+        if report.mode is STANDBY:
             return None
         if report.setpoint is None and report.mode is self._mode:
             return self._setpoint  # it holds on without saying what
@@ -290,21 +294,21 @@ class Pilot:
     def _pilot_lost(self, now: float) -> list[Event]:
         text = f"the pilot has not reported for {PILOT_AGE:g} s"
         effects = self._alerts.arise(PILOT_SILENT, text, now)
-        if self._alarm or self._ours or self._mode is Mode.STANDBY:
+        if self._alarm or self._ours or self._mode is STANDBY:
             return effects
-        return effects + self._show(Mode.UNKNOWN, None)
+        return effects + self._show(UNKNOWN, None)
 
     def _unconfirmed(self, now: float) -> list[Event]:
         command, self._command = self._command, None
         if self._report is None or command is None:
             return []
-        text = "engage" if command.mode is Mode.HEADING_HOLD else "standby"
+        text = "engage" if command.mode is HEADING_HOLD else "standby"
         effects = self._alerts.arise(PILOT_NOT_FOLLOWING, f"{text} not followed for {FOLLOW_TIME:g} s", now)
         if now >= self._report_heard + DATA_AGE:
             return effects
         was_ours = self._ours
         effects += self._adopt(self._report)
-        return effects + self._release() if was_ours and self._mode is Mode.STANDBY else effects
+        return effects + self._release() if was_ours and self._mode is STANDBY else effects
 
     def _data_back(self, now: float) -> list[Event]:
         if not self._alarm:
@@ -321,7 +325,7 @@ class Pilot:
         if report is None or report.mode is None:
             return self._let_go()
         self._recover_at = None
-        if report.mode is Mode.HEADING_HOLD and self.heading(now) is None:
+        if report.mode is HEADING_HOLD and self.heading(now) is None:
             return self._alerts.arise(HEADING_LOST, HEADING_LOST_TEXT, now)
         self._alarm = False
         self._ours = False
@@ -331,8 +335,8 @@ class Pilot:
         self._alarm = False
         self._recover_at = None
         self._ours = False
-        self._may_hold = self._may_hold or self._mode is not Mode.STANDBY
-        return self._show(Mode.STANDBY, None) + self._release()
+        self._may_hold = self._may_hold or self._mode is not STANDBY
+        return self._show(STANDBY, None) + self._release()
 
     def _release(self) -> list[Event]:
         may_hold, self._may_hold = self._may_hold, False

@@ -231,9 +231,9 @@ class Boat:
         station = command.station if wire.port.station is None else wire.port.station
         if station is None:  # the short form does not say who speaks, so the wire must
             return self._reject(Fault.MALFORMED, sentence, wire)
-        if command.station not in (None, station):
+        if command.station is not None and command.station != station:
             self.counters["commands of another station"] += 1
-            return [SecurityEvent("another station's id", wire.port.name, command.station or 0)]
+            return [SecurityEvent("another station's id", wire.port.name, command.station)]
         self.counters["commands"] += 1
         return self._tell(self.helm.obey(command, station, now), now, status=True)
 
