@@ -22,6 +22,7 @@ from statistics import median
 from typing import Any
 
 from benchmarks import command, memory
+from benchmarks.bare_loop import run_bare_loop
 from benchmarks.live_gateway import ANY_PORT, HERE, Setup, bus_pair, run_gateway
 from benchmarks.peers import Peer, peers
 from benchmarks.processes import (
@@ -109,11 +110,11 @@ def session(pid: int, bus: int, where: Where, origins: dict[bytes, int]) -> Iter
 
 
 @contextmanager
-def with_gateway(setup: Setup) -> Iterator[tuple[Session, Helper]]:
-    """A session with our own gateway."""
+def with_gateway(setup: Setup, run: Callable[..., None] = run_gateway) -> Iterator[tuple[Session, Helper]]:
+    """A session with our own gateway, or with what else takes its place."""
     near, far = bus_pair()
     with tempfile.TemporaryDirectory() as directory:
-        gateway = Helper(PROGRAM, run_gateway, near.fileno(), directory, setup)
+        gateway = Helper(PROGRAM, run, near.fileno(), directory, setup)
         with ending(gateway), near, far:
             terminals = tuple(f"{directory}/{number}" for number in range(1, 1 + setup.terminals))
             where = Where(far.fileno(), terminals, gateway.answer(), setup.clients)
@@ -131,6 +132,12 @@ def measure_gateway(setup: Setup, seconds: float) -> Result:
         after = gateway.ask("counters")
     lost, most_lost = between["lost"] - before["lost"], after["lost"] - between["lost"]
     return {**paced, **flat_out, "lost": lost, "most_lost": most_lost, "mib": after["mib"]}
+
+
+def measure_bare_loop(setup: Setup, seconds: float) -> Result:
+    """Latency and cost of what no program can do without."""
+    with with_gateway(setup, run_bare_loop) as (running, _):
+        return running.paced(seconds)
 
 
 def measure_commands(setup: Setup, seconds: float) -> Result:
@@ -181,6 +188,7 @@ def scenarios(seconds: float) -> dict[str, Callable[[], Result]]:
     found: dict[str, Callable[[], Result]] = {
         f"timonel, {name}": partial(measure_gateway, setup, seconds) for name, setup in SETUPS.items()
     }
+    found["a bare loop, 12 outputs"] = partial(measure_bare_loop, SETUPS[COMMANDED], seconds)
     found |= {f"{peer.name}, 1 output": partial(measure_peer, peer, seconds) for peer in peers()}
     found["command under load"] = partial(measure_commands, SETUPS[COMMANDED], 2 * seconds)
     found["command, the machine alone"] = command.measure
