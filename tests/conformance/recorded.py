@@ -1,6 +1,5 @@
 """Messages of recorded buses with machine time, whatever the recording's format."""
 
-import struct
 from functools import cache
 
 import msgspec
@@ -11,7 +10,7 @@ from timonel.gateway.convert import RecordedTime
 from timonel.nmea2000.fastpacket import Reassembler
 from timonel.nmea2000.identifier import split
 from timonel.nmea2000.registry import is_fast
-from timonel.recording import LogFrame, open_log
+from timonel.recording import open_log
 
 BUSY = 0.001  # s from frame to frame
 
@@ -35,27 +34,13 @@ def recordings():
 
 
 def frames(path):
-    """Frames (and whole messages, where the recording has them) of a log or a capture of SocketCAN."""
-    if path.suffix == ".pcap":
-        yield from captured(path.read_bytes())
-    else:
-        try:
-            log = open_log(path)
-        except RecordingError:
-            return
-        with log:
-            yield from log
-
-
-def captured(data):
-    """Frames of a little-endian pcap file with link type SocketCAN (identifier in network order)."""
-    at = 24
-    while at + 16 <= len(data):
-        seconds, micros, size, _ = struct.unpack_from("<IIII", data, at)
-        identifier, length = struct.unpack_from(">IB", data, at + 16)
-        start = at + 24
-        yield LogFrame(seconds + micros * 1e-6, identifier & 0x1FFFFFFF, data[start : start + length])
-        at += 16 + size
+    """Frames (and whole messages, where the recording has them) of a log or a capture; none of any other file."""
+    try:
+        log = open_log(path)
+    except RecordingError:
+        return
+    with log:
+        yield from log
 
 
 def timed(path):

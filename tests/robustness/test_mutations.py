@@ -28,6 +28,7 @@ from timonel.nmea2000.fastpacket import fragment
 from timonel.nmea2000.identifier import join
 from timonel.nmea2000.messages.navigation import DistanceLog
 from timonel.nmea2000.registry import MESSAGES
+from timonel.recording import LogFrame
 from timonel.recording.formats import FORMATS
 from timonel.vehicles.boat.pilot import Mode, Steer
 from timonel.vehicles.boat.settings import BoatSettings, Port
@@ -285,6 +286,12 @@ SAMPLES = (
     "  can0  09F8027F   [8]  00 FC FF FF 00 00 FF FF",
     "17:33:21.107 R 19F51323 01 2F 30 70 00 2F 30 70",
     "2016-02-28T19:57:02.364Z,2,127250,7,255,8,ff,10,3b,ff,7f,ce,f5,fc",
+    "A000057.086 13FF2 1F112 005679FF7FFF7FFD",
+    "!PDGY,127250,2,3,255,481.734,2C20AAAAAAE=",
+    "0,486942,127508,Battery Status,Garmin,6,255,2,1,8,0x017505FF7FFFFFFF",
+    "   0.015991 1  18EBFF00x       Rx   d 8 01 A0 0F A6 60 3B D1 40",
+    "     1)      1059.9  18EBFF00  8  01 A0 0F A6 60 3B D1 40",
+    "1402160417.499 $IIHDT,45.0,T*10",
 )
 
 
@@ -299,7 +306,7 @@ def test_a_damaged_line_of_a_recording_is_a_frame_or_not_a_line(log_format: type
             found = reader.read(line)
         except ValueError:
             continue
-        assert found is None or found.whole or len(found.data) <= 8, line
+        assert not isinstance(found, LogFrame) or found.whole or len(found.data) <= 8, line
 
 
 def mistakes_in(text: str) -> list[str]:

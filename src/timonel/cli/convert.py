@@ -40,8 +40,8 @@ UNREADABLE_SHOWN = 10
 def convert(log: str, output: str, config: str | None) -> None:
     """Turn LOG, a recording of an NMEA 2000 bus, into what the gateway would have said to its stations.
 
-    candump, canboat PLAIN and FAST and YD RAW are told apart by their content; - is standard input. Time is the
-    recording's own, so the same recording always gives the same bytes.
+    Its format is told from the content, gzip and zstd too (docs/formats.md lists them); - is standard input. Time is
+    the recording's own, so the same recording always gives the same bytes.
     """
     settings = load(config).vehicle if config else BoatSettings()
     if not isinstance(settings, BoatSettings):
@@ -89,9 +89,9 @@ def _telling(task: "TaskID", progress: "Progress", reader: LogReader) -> Iterato
 def _summarise(reader: LogReader, conversion: Conversion) -> None:
     """What was read and written, and what was not, on standard error."""
     for line in reader.unreadable[:UNREADABLE_SHOWN]:
-        _say(f"{reader.name}, line {line.line}: {line.reason}: {line.text}")
+        _say(f"{reader.name}, {line.place}: {line.reason}: {line.text}")
     if (more := reader.unreadable_count - UNREADABLE_SHOWN) > 0:
-        _say(f"{reader.name}: {more} more lines could not be read")
+        _say(f"{reader.name}: {more} more could not be read")
     time = conversion.time
     for count, what in (
         (time.missing, "without a time: taken as one a millisecond"),

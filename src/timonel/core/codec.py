@@ -249,14 +249,14 @@ def _made(message: "type[Message]", values: dict[str, str]) -> str:
 
 
 def _decode(message: "type[Message]", run: Run) -> list[str]:
-    names = _names(run)
+    names = word_names(run)
     return [
         "def decode(data):",
         " try:",
         f"  {names} = unpack_0(data)",
         " except error:",
         f"  {names} = unpack_0(fit(data, blank_0))",
-        *_joined(run),
+        *join_words(run),
         f" return {_made(message, dict(_values(run)))}",
     ]
 
@@ -265,8 +265,8 @@ def _read(message: "type[Message]", cut: "list[Run | Slot]") -> list[str]:
     lines, names = ["def read(data, at):"], []
     for number, part in enumerate(cut):
         if isinstance(part, Run):
-            lines.append(f" {_names(part)} = unpack_{number}(fit(data[at : at + {part.size}], blank_{number}))")
-            lines += [f" at += {part.size}", *_joined(part)]
+            lines.append(f" {word_names(part)} = unpack_{number}(fit(data[at : at + {part.size}], blank_{number}))")
+            lines += [f" at += {part.size}", *join_words(part)]
             values = _values(part)
             lines += [f" v_{name} = {value}" for name, value in values]
             names += [name for name, _ in values]
@@ -278,11 +278,12 @@ def _read(message: "type[Message]", cut: "list[Run | Slot]") -> list[str]:
     return [*lines, f" return {_made(message, {name: f'v_{name}' for name in names})}, at"]
 
 
-def _names(run: Run) -> str:
+def word_names(run: Run) -> str:
+    """The names of the words of a run, as `unpack` gives them."""
     return "(" + "".join(f"w{word.start}_{shift}, " for word in run.words for _, shift in word.pieces) + ")"
 
 
-def _joined(run: Run) -> list[str]:
+def join_words(run: Run) -> list[str]:
     """Join words that the struct module knows no letter for."""
     return [
         f" w{word.start}_0 = " + " | ".join(f"w{word.start}_{shift} << {shift}" for _, shift in word.pieces)
@@ -297,12 +298,13 @@ def _values(run: Run) -> list[tuple[str, str]]:
     for slot in run.slots:
         assert slot.length is not None
         if word := word_of.get(slot.name):
-            values.append((slot.name, _value(slot, _raw(slot, word, bit - 8 * word.start))))
+            values.append((slot.name, _value(slot, raw_value(slot, word, bit - 8 * word.start))))
         bit += slot.length
     return values
 
 
-def _raw(slot: "Slot", word: Word, shift: int) -> str:
+def raw_value(slot: "Slot", word: Word, shift: int) -> str:
+    """The expression that cuts a field out of its word; `shift` is where it begins in it."""
     name, field = f"w{word.start}_0", slot.field
     if isinstance(field, Ascii | Binary) or (word.signed and len(word.pieces) == 1):
         return name
@@ -320,16 +322,17 @@ def _value(slot: "Slot", raw: str) -> str:
         case Lookup() | Flags():
             return f"table_{slot.name}[{raw}]"
         case Number() as field:
-            return _number(field, raw)
+            return number_value(field, raw)
         case Ascii():
             return f"text({raw})"
     return raw
 
 
-def _number(field: Number, raw: str) -> str:
+def number_value(field: Number, raw: str) -> str:
+    """The expression that makes a number of the raw value `raw`; None where that is not valid."""
     lowest, highest = field.range
     once, again = (raw, raw) if raw.isidentifier() else (f"(t := {raw})", "t")
-    guard = f"{lowest} <= {once} <= {highest}" if lowest else f"{once} <= {highest}"
+    guard = f"{lowest} <= {once} <= {highest}" if lowest or field.signed else f"{once} <= {highest}"
     if field.inverse is not None:
         scaled = f"{again} / {float(field.inverse)!r}"
     else:

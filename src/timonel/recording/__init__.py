@@ -1,6 +1,6 @@
-"""Recordings of a bus, read in the format that their content shows."""
+"""Recordings of a bus or a wire, read in the format that their content shows."""
 
-from timonel.recording.formats import LogReader, Unreadable, open_log
-from timonel.recording.lines import LogFrame
+from timonel.recording.formats import LogReader, Reader, open_any, open_log
+from timonel.recording.lines import Kind, LogFrame, LogSentence, Record, Unreadable
 
-__all__ = ["LogFrame", "LogReader", "Unreadable", "open_log"]
+__all__ = ["Kind", "LogFrame", "LogReader", "LogSentence", "Reader", "Record", "Unreadable", "open_any", "open_log"]

@@ -15,19 +15,17 @@ Source: canboat `README.md` and `analyzer.c`. PGNs from 262144 on are gateways' 
 from collections.abc import Sequence
 from functools import lru_cache
 
-from timonel.errors import EncodeError
 from timonel.nmea2000.fastpacket import LONGEST, Reassembler
-from timonel.nmea2000.identifier import join
-from timonel.nmea2000.registry import is_fast
-from timonel.recording.lines import DateTime, LogFrame, is_comment
-
-_GATEWAY = 0x40000
+from timonel.recording.lines import DateTime, Kind, LogFrame, is_comment
+from timonel.recording.messages import address
 
 
 class Canboat:
     """Lines of canboat, PLAIN, FAST or mixed."""
 
     name = "canboat"
+    kind: Kind = "frames"
+    dated = True
 
     def __init__(self, sample: Sequence[str]) -> None:
         self._date_time = DateTime()
@@ -61,20 +59,14 @@ def _bytes(text: str) -> bytes:
     try:
         return bytes.fromhex(text.replace(",", " "))
     except ValueError:  # written by hand: `0` for `00`
-        return bytes(int(value, 16) for value in text.split(","))
+        return bytes.fromhex(" ".join(value.strip().rjust(2, "0") for value in text.split(",")))
 
 
 # A bus has a few hundred of these, a recording millions.
 @lru_cache(maxsize=4096)
 def _address(priority: str, pgn: str, source: str, destination: str) -> tuple[int | None, bool]:
     """The identifier (None for a gateway's own PGN), and whether the PGN is a fast packet."""
-    number = int(pgn)
-    if number >= _GATEWAY:
-        return None, False
-    try:
-        return join(int(priority), number, int(source), int(destination)), is_fast(number)
-    except EncodeError as error:
-        raise ValueError(str(error)) from error
+    return address(int(priority), int(pgn), int(source), int(destination))
 
 
 def _messages(sample: Sequence[str]) -> tuple[dict[str, bool], bool]:

@@ -12,33 +12,42 @@ import re
 from collections.abc import Sequence
 from itertools import pairwise
 
-from timonel.recording.lines import DateTime, LogFrame, is_comment
+from timonel.recording.lines import DateTime, Kind, LogFrame, is_comment, moment
 
 _ERROR = 0x20000000  # CAN_ERR_FLAG
 _A_DAY = 86400.0
+_A_DATE = 1e8  # s: a smaller time, before 1973, counts from the start of something
 
+# Runs once a line: no IGNORECASE, no group that repeats. Ten digits of seconds are enough until 2286.
+_LOGGED = re.compile(
+    r"\((\d{1,10}\.\d+)\)\s+\S+\s+([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#([0-9A-Fa-f]{0,16}|R\d?)(?: [RT])?\s*"
+)
 _PRINTED = re.compile(
     r"\s*(?:\(([^)]+)\)\s+)?[\w.-]+\s+(?:[RT]X\s+\S+\s+\S+\s+)?([0-9A-F]{3}|[0-9A-F]{8})\s+\[(\d)\]\s*(.*)",
     re.IGNORECASE,
 )
+_STAMP = re.compile(r"\s*\(([^)]+)\)")
+_SECONDS = re.compile(r"\d+\.\d+")
 
 
 class Candump:
     """Lines of candump."""
 
     name = "candump"
+    kind: Kind = "frames"
 
     def __init__(self, sample: Sequence[str]) -> None:
         self._date_time = DateTime()
         self._deltas = _are_deltas(sample)
         self._elapsed = 0.0
+        self.dated = any(_is_date(match[1]) for match in map(_STAMP.match, sample) if match)
 
     def read(self, line: str) -> LogFrame | None:
         """A frame; None for a comment, a remote request or an error frame. ValueError for any other line."""
-        if line[:1] == "(" and "#" in line:
-            stamp, _, frame = line.split(None, 2)
-            identifier, data = frame.split("#")
-            return _frame(float(stamp[1:-1]), identifier, data.rstrip(" RT") if data[-2:-1] == " " else data)
+        match = _LOGGED.fullmatch(line)
+        if match is not None:
+            stamp, identifier, data = match.groups()
+            return _frame(float(stamp), identifier, data)
         if is_comment(line):
             return None
         return self._printed(line)
@@ -59,10 +68,12 @@ class Candump:
     def _stamp(self, text: str) -> float:
         if ":" in text:
             return self._date_time.read(text)
+        if not _SECONDS.fullmatch(text):
+            raise ValueError(f"{text} is no time")
         if not self._deltas:
-            return float(text)
+            return moment(float(text))
         self._elapsed += float(text)
-        return self._elapsed
+        return moment(self._elapsed)
 
 
 def _frame(stamp: float | None, identifier: str, data: str) -> LogFrame | None:
@@ -70,13 +81,17 @@ def _frame(stamp: float | None, identifier: str, data: str) -> LogFrame | None:
     if number & _ERROR or data[:1] == "R":
         return None
     payload = bytes.fromhex(data)
-    if len(payload) > 8 or len(identifier) not in (3, 8) or number >> 29:
+    if len(payload) > 8 or number >> 29:
         raise ValueError("not a classic CAN frame")
     return LogFrame(stamp, number, payload, len(identifier) == 8)
+
+
+def _is_date(stamp: str) -> bool:
+    return ":" in stamp or (_SECONDS.fullmatch(stamp) is not None and float(stamp) >= _A_DATE)
 
 
 def _are_deltas(sample: Sequence[str]) -> bool:
     """Times that go back within the first day can only count from the line before."""
     stamps = [match[1] for match in map(_PRINTED.fullmatch, sample) if match and match[1] and ":" not in match[1]]
-    times = [float(stamp) for stamp in stamps if re.fullmatch(r"\d+\.\d+", stamp)]
+    times = [float(stamp) for stamp in stamps if _SECONDS.fullmatch(stamp)]
     return max(times, default=0.0) < _A_DAY and any(later < earlier for earlier, later in pairwise(times))

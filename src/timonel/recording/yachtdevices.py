@@ -10,22 +10,22 @@ on.
 import re
 from collections.abc import Sequence
 
-from timonel.recording.lines import LogFrame, is_comment
+from timonel.recording.lines import Kind, LogFrame, TimeOfDay, is_comment
 
 _LINE = re.compile(
     r"(?:(\d\d):(\d\d):(\d\d(?:\.\d+)?) )?(?:[RT] )?([0-9A-F]{8})((?: [0-9A-F]{2}){0,8}) ?", re.IGNORECASE
 )
-_A_DAY = 86400.0
 
 
 class YachtDevicesRaw:
     """Lines of YD RAW."""
 
     name = "YD RAW"
+    kind: Kind = "frames"
+    dated = False
 
     def __init__(self, sample: Sequence[str]) -> None:
-        self._midnight = 0.0
-        self._last = 0.0
+        self._time = TimeOfDay()
 
     def read(self, line: str) -> LogFrame | None:
         """A frame; None for a comment. ValueError for any other line."""
@@ -38,11 +38,5 @@ class YachtDevicesRaw:
         number = int(identifier, 16)
         if number >> 29:
             raise ValueError("an identifier has 29 bits")
-        stamp = self._stamp(int(hours) * 3600 + int(minutes) * 60 + float(seconds)) if hours else None
+        stamp = self._time.read(hours, minutes, seconds) if hours else None
         return LogFrame(stamp, number, bytes.fromhex(data))
-
-    def _stamp(self, time_of_day: float) -> float:
-        if time_of_day < self._last - _A_DAY / 2:
-            self._midnight += _A_DAY
-        self._last = time_of_day
-        return self._midnight + time_of_day

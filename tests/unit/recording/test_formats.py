@@ -1,13 +1,16 @@
 """Opening a recording: the format is told from the content, and no line is fatal unless that was asked for."""
 
+import json
 import subprocess
 import sys
 
 import pytest
 
+from tests.recordings import vectors
+from tests.unit.recording.writers import bdtp, bst, pcap
 from timonel.core.frame import Frame
 from timonel.errors import RecordingError
-from timonel.recording import LogFrame, open_log
+from timonel.recording import LogFrame, Unreadable, open_any, open_log
 
 LOGGED = "(1620807235.135421) can0 09F8017F#3E17B322B320590D\n"
 PRINTED = "  can0  09F8017F   [8]  3E 17 B3 22 B3 20 59 0D\n"
@@ -131,3 +134,68 @@ def test_a_pipe_is_read_as_it_comes_and_has_no_size():
 
 def test_a_line_gives_a_frame():
     assert LogFrame(1.0, 0x6C, b"\x01", extended=False).frame == Frame(0x6C, b"\x01", extended=False)
+
+
+def test_strict_reading_of_bytes_names_their_offset(log):
+    good = LogFrame(1.0, 0x09F8017F, b"\1")
+    path = log(pcap([good]) + pcap([good], link=113)[24:])
+    with pytest.raises(RecordingError, match=r"log, byte 56: not a classic CAN frame: '01 00"):
+        list(open_log(path, strict=True))
+    assert Unreadable(3, "", "").place == "line 3"
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        (";$FILEVERSION=2.1\n;$COLUMNS=N,O,T,B,I,d,R,L,D\n", "PEAK TRC"),
+        ("date Wed Sep 28 10:23:45.123 pm 2016\nbase hex  timestamps absolute\n", "Vector ASC"),
+    ],
+)
+def test_headings_without_a_frame_are_a_recording(log, text, name):
+    reader = open_log(log(text))
+    assert (list(reader), reader.format, reader.unreadable) == ([], name, [])
+
+
+def test_a_byte_order_mark_is_no_part_of_the_first_line(log):
+    reader = open_log(log(b"\xef\xbb\xbf" + LOGGED.encode()))
+    assert (len(list(reader)), reader.unreadable) == (1, [])
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "(1620807235.135421) can0 09F8017F#3E17B3",
+        "17:33:21.107 R 09F8017F 3E 17 B3",
+        "A173321.107 23FF7 1F513 012F3070002F3070",
+        "!PDGY,127250,2,3,255,481.734,2C20AAAA",
+        "2021-05-12T08:13:55.135Z,2,129025,127,255,8,3e,17,b3,22,b3,20,59,0",
+    ],
+)
+def test_a_last_line_that_may_be_cut_in_its_data_is_not_guessed_at(log, line):
+    reader = open_log(log(line + "\n" + line))
+    assert len(list(reader)) == 1
+    assert [(found.line, found.reason) for found in reader.unreadable] == [(2, "the last line may be cut off")]
+
+
+def test_whether_there_are_times_and_dates_is_told(log):
+    cases = ((LOGGED, True, True), ("(0.25) can0 09F8017F#3E\n", True, False), (PRINTED, False, False))
+    for text, timed, dated in (*cases, (RAW, True, False), (PLAIN, True, True)):
+        with open_log(log(text)) as reader:
+            assert (reader.timed, reader.dated) == (timed, dated), text
+
+
+def test_bytes_that_are_of_no_format_are_refused(log):
+    with pytest.raises(RecordingError, match="no log format known here"):
+        open_any(log(bytes(range(256)) * 40))
+    with pytest.raises(RecordingError, match="no log format known here"):
+        open_any(log(bdtp(bst(0x93, bytes(20)))[:-2]))
+
+
+@pytest.mark.parametrize("number", range(3))
+def test_a_serial_line_of_the_rover_as_the_specification_has_it_is_known(log, number):
+    case = json.loads(vectors("rover_uart.jsonl").read_text().splitlines()[number])
+    reader = open_log(log(bytes.fromhex(case["stream"])))
+    assert reader.kind == "uart"
+    assert [(frame.identifier, frame.data.hex()) for frame in reader] == [
+        (frame["id"], frame["data"].lower()) for frame in case["frames"]
+    ]
