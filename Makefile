@@ -3,9 +3,10 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 VCAN ?= ../shared/tools/vcan_qemu.sh# runs a command where there is a vcan0
+NPM_DONE := node_modules/.package-lock.json
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
-.PHONY: help demo test test-all lint mutation docs bench lock clean
+.PHONY: help demo test test-all lint mutation docs bench lock vendor clean
 help:
 	@echo "make demo      a simulated boat, the gateway, and what to connect to it"
 	@echo "make test      every check that a change must pass"
@@ -14,12 +15,13 @@ help:
 	@echo "make bench     the tables of docs/performance.md"
 	@echo "make docs      the reference pages that are made from the declarations"
 	@echo "make lock      resolve the pinned versions anew"
+	@echo "make vendor    what the console has from npm, bundled anew"
 
 demo: $(VENV)/run
 	$(BIN)/timonel demo
 
 test: $(VENV)/dev lint
-	scripts/debian.sh gpsd gpsd-clients gcc libc6-dev
+	scripts/debian.sh gpsd gpsd-clients gcc libc6-dev chromium
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow"
 
 test-all: test mutation
@@ -27,11 +29,12 @@ test-all: test mutation
 	$(BIN)/python -m pytest -m slow --timeout 1800 --ignore tests/slow
 	$(VCAN) -- $(BIN)/python -m pytest tests/slow --timeout 600
 
-lint: $(VENV)/dev
+lint: $(VENV)/dev $(NPM_DONE)
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
+	node_modules/.bin/tsc
 
 mutation: $(VENV)/dev
 	$(BIN)/python -m tests.mutation
@@ -40,23 +43,33 @@ docs: $(VENV)/dev
 	$(BIN)/python scripts/make_reference.py
 	$(BIN)/python scripts/make_stop_table.py
 	$(BIN)/python scripts/make_screenshot.py
+	TIMONEL_PICTURES=1 $(BIN)/python -m pytest -q tests/browser -k pictured
 
 bench: $(VENV)/dev
 	$(BIN)/python -m benchmarks.live
 	$(BIN)/python -m benchmarks.codec
 	$(BIN)/python -m benchmarks.rover
 	$(BIN)/python -m benchmarks.framing
+	$(BIN)/python -m benchmarks.recorder
 
 lock: $(VENV)/dev
 	scripts/lock.sh
 
+vendor: $(NPM_DONE)
+	node scripts/vendor.mjs
+
 clean:
-	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf node_modules $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis
 
 # One environment: `run` holds what the program needs, `dev` what the tests need too.
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || scripts/debian.sh --required python3-venv
 	$(PYTHON) -m venv $(VENV)
+
+# For the checks and for `make vendor` alone: what is run and shipped needs no Node.
+$(NPM_DONE): package-lock.json
+	@command -v npm >/dev/null || scripts/debian.sh --required npm
+	npm ci --ignore-scripts --no-audit --no-fund --silent
 
 $(VENV)/run: requirements.lock pyproject.toml | $(VENV)/bin/python
 	$(PIP) install --require-hashes --only-binary :all: -r requirements.lock

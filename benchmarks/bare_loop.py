@@ -32,7 +32,7 @@ async def _run(pipe: Connection, bus: int, directory: str, setup: Setup) -> None
     loop.add_reader(can.fileno(), _pass_on, can, lines, outputs)
     loop.add_reader(server.fileno(), _welcome, server, outputs)
     loop.add_reader(pipe.fileno(), _answer, pipe)
-    pipe.send(server.getsockname())
+    pipe.send((server.getsockname(), None))
     await asyncio.Event().wait()
 
 

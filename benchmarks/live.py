@@ -23,6 +23,7 @@ from typing import Any
 
 from benchmarks import command, memory
 from benchmarks.bare_loop import run_bare_loop
+from benchmarks.consoles import run_consoles
 from benchmarks.live_gateway import ANY_PORT, HERE, Setup, bus_pair, run_gateway
 from benchmarks.peers import Peer, peers
 from benchmarks.processes import (
@@ -50,6 +51,7 @@ SETUPS = {
     "12 outputs, flush 2ms": Setup(ONE_A_FRAME, flush=0.002),
     "12 outputs, flush 5ms": Setup(ONE_A_FRAME, flush=0.005),
     "12 outputs, usual ceilings": Setup(USUAL),
+    "12 outputs, 200 consoles": Setup(ONE_A_FRAME, consoles=200),
     "1 output (TCP)": Setup(ONE_A_FRAME, terminals=0, clients=1),
 }
 MORE_IS_BETTER = {"most_frames_s", "most_sentences"}
@@ -117,9 +119,22 @@ def with_gateway(setup: Setup, run: Callable[..., None] = run_gateway) -> Iterat
         gateway = Helper(PROGRAM, run, near.fileno(), directory, setup)
         with ending(gateway), near, far:
             terminals = tuple(f"{directory}/{number}" for number in range(1, 1 + setup.terminals))
-            where = Where(far.fileno(), terminals, gateway.answer(), setup.clients)
-            with session(gateway.pid, far.fileno(), where, places()) as running:
+            address, url = gateway.answer()
+            where = Where(far.fileno(), terminals, address, setup.clients)
+            with looking(url, setup.consoles), session(gateway.pid, far.fileno(), where, places()) as running:
                 yield running, gateway
+
+
+@contextmanager
+def looking(url: str | None, consoles: int) -> Iterator[None]:
+    """While browsers look, if any are wanted."""
+    if url is None:
+        yield
+        return
+    crowd = Helper(HARNESS, run_consoles, url, consoles)
+    with ending(crowd):
+        crowd.answer()
+        yield
 
 
 def measure_gateway(setup: Setup, seconds: float) -> Result:

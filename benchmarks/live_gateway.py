@@ -11,7 +11,9 @@ import msgspec
 
 from benchmarks.processes import resident_mib
 from benchmarks.traffic import settings
+from timonel.cli.console import console
 from timonel.gateway.assemble import boat
+from timonel.gateway.configuration import Configuration, Web
 from timonel.gateway.gateway import Channel, Gateway
 from timonel.links.link import BusLink
 from timonel.links.pty import PtyLink
@@ -24,12 +26,13 @@ ANY_PORT = 0
 
 
 class Setup(msgspec.Struct, frozen=True):
-    """A gateway to measure: how many sentences (ceilings in Hz), who listens, and how data goes out."""
+    """A gateway to measure: how many sentences (ceilings in Hz), who listens, how data goes out, who looks."""
 
     rates: dict[str, float]
     terminals: int = 4
     clients: int = 8
     flush: float = 0.0
+    consoles: int = 0
 
 
 def bus_pair() -> tuple[socket.socket, socket.socket]:
@@ -47,9 +50,11 @@ async def _run(pipe: Connection, bus: int, directory: str, setup: Setup) -> None
     can = SocketCanLink("lo", make=lambda _: socket.socket(fileno=bus), name="bus")
     gateway, listeners = make(can, settings(setup.rates), directory, setup)
     await gateway.open()
-    asyncio.get_running_loop().add_reader(pipe.fileno(), _answer, pipe, gateway)
-    pipe.send(listeners.address)
-    await gateway.failed.wait()
+    web = Web(HERE, ANY_PORT, stations=()) if setup.consoles else None
+    async with console(gateway, Configuration("benchmark", settings(setup.rates), "", web=web)) as url:
+        asyncio.get_running_loop().add_reader(pipe.fileno(), _answer, pipe, gateway)
+        pipe.send((listeners.address, url))
+        await gateway.failed.wait()
 
 
 def make(bus: BusLink, boat_settings: BoatSettings, directory: str, setup: Setup) -> tuple[Gateway, TcpListenLink]:

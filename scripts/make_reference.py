@@ -1,4 +1,4 @@
-"""Writes the pages that follow from declarations: docs/pgns.md, docs/conversion.md and docs/rover_frames.md."""
+"""Writes the pages that follow from declarations: in docs/ pgns.md, conversion.md, rover_frames.md and security.md."""
 
 from pathlib import Path
 
@@ -7,6 +7,8 @@ from timonel.nmea2000.registry import variants
 from timonel.vehicles.boat.conversion import CONVERSIONS, Conversion
 from timonel.vehicles.rover import reference
 from timonel.vehicles.rover.protocol import Protocol
+from timonel.web.access import Least
+from timonel.web.routes import ROUTES
 
 DOCS = Path(__file__).parents[1] / "docs"
 PGNS = """# PGNs
@@ -53,6 +55,47 @@ The identifier is the same on UART and CAN, numbers are little-endian. `to` says
 calibration `physical`. `sent` are the limits of what we send; what is outside is read as it is. Rates, signs and axes
 that the original leaves open are our choice. Frames of one's own: `own_frames.md`.
 """
+SECURITY = """# Security
+
+Written by `scripts/make_reference.py` from the table of routes in `timonel.web.routes`; do not edit.
+
+NMEA 0183, NMEA 2000 and the rover's frames know no identity: whoever has a wire is believed, within what its port may
+say. A port commands as its own station and no other; listeners (`[[output]]`) never command. The console is for a
+network, where everything is hostile until it has shown otherwise; [console.md](console.md) tells how it is set up.
+
+## The console
+
+- It listens on this computer alone unless configured otherwise, and then needs a token to see and a pairing to command.
+- Every request must name a host that is ours: an address of the connection, this computer, or `hosts` (DNS rebinding).
+  Else 421.
+- A socket, and all that changes something, must come from a page of ours, or from a program that is no browser: by
+  `Origin`, else by `Sec-Fetch-Site`. Else 403. What changes something is JSON, which no form of another site can send.
+- No secret stands in a URL, in the log, or in what a script can read. Cookies are `HttpOnly`, `SameSite=Strict`, with
+  TLS `Secure`, sealed with a key that only this computer has.
+- Five failures in a minute are let go through from one address (of IPv6: one network), in HTTP and on the socket
+  together; after that it gets 429.
+- Every answer has a `Content-Security-Policy` that allows nothing but what we serve, and may not be framed.
+- A request has at most 16 KiB, a message on the socket 4 KiB, a browser says at most 120 messages a second, and at most
+  256 browsers look. What is not understood ends the socket.
+- Files are served by their own plain names from one directory; nothing leads out of it.
+
+## Routes and roles
+
+What is not in this table is not found. `nobody` has not signed in; a gateway without a token has only admins.
+
+| method | path | what | nobody | reader | station | admin |
+|---|---|---|---|---|---|---|
+"""
+SECURITY_TESTS = """
+On the socket a reader is told everything and may do nothing; a station may do what its wire may, as that station.
+
+## How this is proven
+
+`tests/unit/web/test_routes.py` walks this table with every role. `tests/robustness/test_web_security.py` attacks a
+running gateway: hosts, origins, tokens, guesses, paths out of the directory, long and malformed requests and messages,
+and it looks for the token in the log. `tests/unit/web/test_api.py` compares all answers with the description that
+`/api/v1/openapi.json` gives of them.
+"""
 
 
 def pgns() -> str:
@@ -72,7 +115,22 @@ def rover_frames() -> str:
     return f"{ROVER}\n{reference.page(Protocol())}\n{reference.constants()}"
 
 
-PAGES = {"pgns.md": pgns, "conversion.md": conversion, "rover_frames.md": rover_frames}
+def security() -> str:
+    rows = [
+        f"| {route.method} | `{route.path}` | {route.about} | "
+        + " | ".join("yes" if least >= route.least else "no" for least in Least)
+        + " |\n"
+        for route in ROUTES
+    ]
+    return SECURITY + "".join(rows) + SECURITY_TESTS
+
+
+PAGES = {
+    "pgns.md": pgns,
+    "conversion.md": conversion,
+    "rover_frames.md": rover_frames,
+    "security.md": security,
+}
 
 if __name__ == "__main__":
     for name, page in PAGES.items():

@@ -73,7 +73,9 @@ def tool(name: str) -> str:
 async def listen(directory: Path, source: Callable[[int], str]) -> Heard:
     """Let gpsd read the demo at `source` (a function of its TCP port) until there is enough to look at."""
     port, control = free_port(), free_port()
-    async with Program(directory, "demo", "--no-view", "--port", str(port), "--directory", str(directory)) as demo:
+    async with Program(
+        directory, "demo", "--no-view", "--no-web", "--port", str(port), "--directory", str(directory)
+    ) as demo:
         await demo.running()
         log = (directory / "gpsd.log").open("wb")
         gpsd = subprocess.Popen([tool("gpsd"), "-N", "-n", "-S", str(control), source(port)], stderr=log)

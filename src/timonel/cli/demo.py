@@ -14,13 +14,17 @@ from typing import Protocol, cast
 
 import click
 import msgspec
+from msgspec.structs import replace
 from rich.console import Console
 
+from timonel.cli.console import console as serving_console
 from timonel.errors import LinkError
 from timonel.gateway import log
 from timonel.gateway.assemble import assemble
-from timonel.gateway.configuration import Configuration
+from timonel.gateway.configuration import RECORDINGS, Configuration, Recording, Web
+from timonel.gateway.extras import recorder_installed, web_installed
 from timonel.gateway.gateway import Observer
+from timonel.gateway.recording import recorded
 from timonel.gateway.service import serve
 from timonel.gateway.simulation import Simulated, Simulation
 from timonel.links.urls import bus_link
@@ -28,6 +32,8 @@ from timonel.links.urls import bus_link
 HERE = "127.0.0.1"
 DEMOS = {"boat": "timonel.cli.demo_boat:prepare", "rover": "timonel.cli.demo_rover:prepare"}
 PORT = click.IntRange(1, 65531)  # the boat's station 4 listens four above
+WEB_PORT = 8080
+BUDGET = 50_000_000  # bytes of recordings that a demo leaves behind; its directory may be in memory
 SPEED = click.FloatRange(0.1, 20)
 
 
@@ -41,7 +47,7 @@ class View(Observer, Protocol):
 class Demo(msgspec.Struct, frozen=True):
     """A vehicle to be shown: `ports` are the TCP ports that it takes, `hints` what to type in a second terminal.
 
-    `lines` prints what happens, `view` makes the screen.
+    `lines` prints what happens, `view` makes the screen, with hints on it.
     """
 
     configuration: Configuration
@@ -49,7 +55,7 @@ class Demo(msgspec.Struct, frozen=True):
     ports: tuple[int, ...]
     hints: Sequence[str]
     lines: Observer
-    view: Callable[[], View]
+    view: Callable[[Sequence[str]], View]
 
 
 Prepare = Callable[[Path, int | None, int], Demo]
@@ -64,7 +70,22 @@ Prepare = Callable[[Path, int | None, int], Demo]
 @click.option("--directory", type=click.Path(path_type=Path), help="Where the pseudo-terminals of the stations are.")
 @click.option("--port", type=PORT, help="TCP: the boat's listeners (10110; four above, station 4), or the rover's "
               "operator (5001; one above, the Jetson).")  # fmt: skip
-def demo(vehicle: str, seed: int, speed: float, no_view: bool, directory: Path | None, port: int | None) -> None:
+@click.option(
+    "--web-port", type=click.IntRange(1, 65535), help="Where the console is served (8080, or one that is free)."
+)
+@click.option("--no-web", is_flag=True, help="Leave the console off.")
+@click.option("--no-recording", is_flag=True, help="Leave the flight recorder off.")
+def demo(
+    vehicle: str,
+    seed: int,
+    speed: float,
+    no_view: bool,
+    directory: Path | None,
+    port: int | None,
+    web_port: int | None,
+    no_web: bool,
+    no_recording: bool,
+) -> None:
     """Run the gateway on a simulated VEHICLE, until Ctrl-C: the boat, or the rover.
 
     The boat has a pseudo-terminal for bridge, cockpit and flybridge, a TCP port for station 4 and one for listeners;
@@ -73,13 +94,17 @@ def demo(vehicle: str, seed: int, speed: float, no_view: bool, directory: Path |
     module, _, name = DEMOS[vehicle].partition(":")
     directory = directory or _own_directory()
     shown = cast(Prepare, getattr(import_module(module), name))(directory, port, seed)
+    if not no_recording:
+        shown = with_recording(shown, directory / RECORDINGS)
+    if not no_web:
+        shown = with_console(shown, web_port)
     for number in shown.ports:
         _check_free(number)
     directory.mkdir(parents=True, exist_ok=True)
     console = Console() if sys.stdout.isatty() and not no_view else None
     with ExitStack() as stack:
         log.start("info", sys.stderr if console is None else stack.enter_context(open(directory / "demo.log", "w")))
-        status = asyncio.run(_run(shown, speed, console))
+        status = asyncio.run(_run(shown, speed, seed, console))
     sys.exit(status)
 
 
@@ -102,15 +127,53 @@ def _own_directory() -> Path:
     return directory
 
 
-async def _run(demo: Demo, speed: float, console: Console | None) -> int:
+def with_console(demo: Demo, port: int | None) -> Demo:
+    """The demo with the console on, and its address as the first hint. Raises LinkError for a port that is taken."""
+    if not web_installed():
+        return replace(demo, hints=["console  pip install timonel[web], and there is one in the browser", *demo.hints])
+    if port is None:
+        port = WEB_PORT if _is_free(WEB_PORT) else _some_port()
+    elif not _is_free(port):
+        raise LinkError(f"{HERE}:{port}: taken already; --web-port takes another one")
+    hint = f"console  http://{HERE}:{port}/"
+    return replace(demo, configuration=replace(demo.configuration, web=Web(HERE, port)), hints=[hint, *demo.hints])
+
+
+def _is_free(port: int) -> bool:
+    try:
+        socket.create_server((HERE, port)).close()
+    except OSError:
+        return False
+    return True
+
+
+def _some_port() -> int:
+    with socket.create_server((HERE, 0)) as server:
+        return int(server.getsockname()[1])
+
+
+def with_recording(demo: Demo, directory: Path) -> Demo:
+    """The demo with the flight recorder on, and a hint how to look at what it writes."""
+    if not recorder_installed():
+        return replace(demo, hints=[*demo.hints, "record   pip install timonel[recording], and this is recorded"])
+    recording = Recording(str(directory), segment_size=BUDGET // 5, budget=BUDGET)
+    hint = f"record   timonel replay --verify {directory}"
+    return replace(demo, configuration=replace(demo.configuration, recording=recording), hints=[*demo.hints, hint])
+
+
+async def _run(demo: Demo, speed: float, seed: int, console: Console | None) -> int:
     """Move until told to stop; with a `console` there is something to see."""
     gateway = assemble(demo.configuration)
-    async with Simulation(demo.simulated, bus_link(demo.configuration.bus_url, name="simulated"), speed):
+    async with (
+        Simulation(demo.simulated, bus_link(demo.configuration.bus_url, name="simulated"), speed),
+        recorded(gateway, demo.configuration, simulated=True, seed=seed),
+        serving_console(gateway, demo.configuration),
+    ):
         if console is None:
             click.echo("\n".join(demo.hints), err=True)
             gateway.observers.append(demo.lines)
             return await serve(gateway)
-        view = demo.view()
+        view = demo.view(demo.hints)
         gateway.observers.append(view)
         showing = asyncio.get_running_loop().create_task(view.show(console))
         status = await serve(gateway)

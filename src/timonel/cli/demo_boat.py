@@ -22,14 +22,13 @@ def prepare(directory: Path, port: int | None, seed: int) -> Demo:
     """A boat off Palma with three helm stations; see `timonel.cli.demo.Prepare`."""
     port = port or PORT
     configuration = configure(directory, port)
-    hints = how_to_connect(configuration)
     return Demo(
         configuration=configuration,
         simulated=SimulatedBoat(seed, start=time.time(), destination=PALMA),
         ports=(port, port + 4),
-        hints=hints,
+        hints=how_to_connect(configuration),
         lines=Lines(),
-        view=partial(LiveView, hints, title="timonel demo"),
+        view=partial(LiveView, title="timonel demo"),
     )
 
 

@@ -23,14 +23,13 @@ def prepare(directory: Path, port: int | None, seed: int) -> Demo:
     port = port or PORT
     protocol = Protocol()
     configuration = configure(directory, port, protocol)
-    hints = how_to_connect(configuration)
     return Demo(
         configuration=configuration,
         simulated=SimulatedRover(seed),
         ports=(port, port + 1),
-        hints=hints,
+        hints=how_to_connect(configuration),
         lines=Happenings(),
-        view=partial(RoverView, protocol, hints, title="timonel demo rover"),
+        view=partial(RoverView, protocol, title="timonel demo rover"),
     )
 
 

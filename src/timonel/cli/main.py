@@ -12,12 +12,22 @@ from timonel.errors import ConfigError, TimonelError
 PROGRAMS = {
     "run": ("timonel.cli.run:run", "Run the gateway that a configuration describes."),
     "check": ("timonel.cli.check:check", "Tell everything that is wrong in a configuration."),
+    "info": ("timonel.cli.info:info", "Tell what recordings have, without decoding them."),
+    "decode": ("timonel.cli.decode:decode", "Decode recordings to JSON lines, CSV, Arrow or Parquet."),
+    "sql": ("timonel.cli.sql:sql", "Answer questions about recordings, in SQL."),
+    "plot": ("timonel.cli.plot:plot", "Draw values of a recording over time, as a page."),
+    "track": ("timonel.cli.track:track_program", "Draw where a recording was, as a page, or write it as GPX."),
     "convert": ("timonel.cli.convert:convert", "Turn a recording of a bus into NMEA 0183."),
+    "replay": ("timonel.cli.replay:replay", "Verify a recording, or play it to a bus or to listeners."),
+    "repair": ("timonel.cli.repair:repair", "Make a recording sound that was cut off."),
     "export": ("timonel.cli.export:export", "Write the layout of the rover's frames for the tools of others."),
     "demo": ("timonel.cli.demo:demo", "Run the gateway on a simulated boat or rover."),
     "station": ("timonel.cli.station:station", "Be a helm station, with the keyboard."),
     "drive": ("timonel.cli.drive:drive", "Drive a rover, with the keyboard or a gamepad."),
 }
+
+EXTRAS = {"numpy": "columns", "pyarrow": "columns", "duckdb": "sql"}
+"""What a program may need, and what it is installed with."""
 
 
 class Programs(click.Group):
@@ -30,7 +40,15 @@ class Programs(click.Group):
         if cmd_name not in PROGRAMS:
             return None
         module, _, name = PROGRAMS[cmd_name][0].partition(":")
-        command: click.Command = getattr(import_module(module), name)
+        try:
+            command: click.Command = getattr(import_module(module), name)
+        except ModuleNotFoundError as missing:
+            extra = EXTRAS.get(missing.name or "")
+            if extra is None:
+                raise
+            raise click.ClickException(
+                f"{cmd_name} needs the extra `{extra}` (pip install 'timonel[{extra}]')"
+            ) from missing
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

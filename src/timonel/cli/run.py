@@ -5,9 +5,11 @@ import sys
 
 import click
 
+from timonel.cli.console import console
 from timonel.gateway import log
 from timonel.gateway.assemble import assemble
 from timonel.gateway.configuration import Configuration, load
+from timonel.gateway.recording import recorded
 from timonel.gateway.service import serve
 
 
@@ -24,4 +26,6 @@ def run(configuration: str) -> None:
 
 
 async def _run(configuration: Configuration) -> int:
-    return await serve(assemble(configuration))
+    gateway = assemble(configuration)
+    async with recorded(gateway, configuration), console(gateway, configuration):
+        return await serve(gateway)

@@ -9,7 +9,9 @@ import msgspec
 
 from timonel.gateway.configuration import Configuration, Output, Station
 from timonel.gateway.gateway import Channel, Gateway
+from timonel.gateway.moment import moment
 from timonel.gateway.variation import variation
+from timonel.links.inner import InnerLink
 from timonel.links.link import BusLink, ByteLink
 from timonel.links.uart_bus import UartBus
 from timonel.links.urls import bus_link, byte_link, commanding_link, with_default
@@ -34,9 +36,19 @@ def boat(settings: BoatSettings, ports: list[Port], now: float) -> Boat:
     return Boat(settings, ports, now, variation if settings.variation_model else None)
 
 
+def rover(settings: RoverSettings, ports: list[Port], now: float, protocol: Protocol) -> Rover:
+    """The machine of a rover."""
+    bound = [
+        RoverPort(port.name, port.station, port.console)
+        for port in ports
+        if port.station is not None  # of a rover it never is
+    ]
+    return Rover(settings, bound, now, protocol)
+
+
 def assemble(configuration: Configuration) -> Gateway:
     """A gateway on the running loop with all links made and none opened. Raises LinkError."""
-    now = asyncio.get_running_loop().time()
+    now = moment(asyncio.get_running_loop().time())
     match configuration.vehicle:
         case BoatSettings() as settings:
             vehicle, bus, watched = _boat(configuration, settings, now)
@@ -45,14 +57,15 @@ def assemble(configuration: Configuration) -> Gateway:
     raw = isinstance(configuration.vehicle, RoverSettings)
     channels = [_station(station, raw) for station in configuration.stations]
     channels += [_output(output, raw) for output in configuration.outputs]
-    gateway = Gateway(vehicle, bus, channels, flush=configuration.flush)
+    channels += [Channel(port.name, InnerLink(name=port.name), None) for port in configuration.consoles]
+    gateway = Gateway(vehicle, bus, channels, flush=configuration.flush, began=now)
     for name, counters in watched.items():
         gateway.health.watch(name, counters)
     return gateway
 
 
 def _boat(configuration: Configuration, settings: BoatSettings, now: float) -> tuple[Vehicle, BusLink, Watched]:
-    vehicle = boat(settings, [station.port for station in configuration.stations], now)
+    vehicle = boat(settings, configuration.ports, now)
     watched: Watched = {
         "boat": lambda: vehicle.counters,
         "fast packet": lambda: msgspec.structs.asdict(vehicle.fast_packets),
@@ -62,14 +75,9 @@ def _boat(configuration: Configuration, settings: BoatSettings, now: float) -> t
 
 def _rover(configuration: Configuration, settings: RoverSettings, now: float) -> tuple[Vehicle, BusLink, Watched]:
     protocol = configuration.protocol or Protocol()
-    ports = [
-        RoverPort(port.name, port.station)
-        for port in (station.port for station in configuration.stations)
-        if port.station is not None  # of a rover it never is
-    ]
-    vehicle = Rover(settings, ports, now, protocol)
+    vehicle = rover(settings, configuration.ports, now, protocol)
     watched: Watched = {"rover": lambda: vehicle.counters}
-    watched |= {f"{port.name} framing": partial(_framing, vehicle, port.name) for port in ports}
+    watched |= {f"{port} framing": partial(_framing, vehicle, port) for port in vehicle.framing()}
     return vehicle, _rover_bus(configuration.bus_url, settings, protocol), watched
 
 

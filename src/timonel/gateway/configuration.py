@@ -5,6 +5,7 @@ show them. All mistakes are told at once.
 """
 
 import os
+import secrets
 import tomllib
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -15,6 +16,9 @@ import msgspec
 from timonel.core.mistakes import Mistakes, convert, did_you_mean, syntax_error, written
 from timonel.errors import ConfigError, LinkError
 from timonel.gateway import own_frames
+from timonel.gateway.extras import recorder_installed, web_installed
+from timonel.gateway.measures import duration, size
+from timonel.gateway.places import is_loopback, place
 from timonel.links import urls
 from timonel.vehicles.boat.conversion import RATES
 from timonel.vehicles.boat.settings import BoatSettings, Hertz, Port
@@ -28,6 +32,10 @@ Keys = dict[str, Any]
 Settings = BoatSettings | RoverSettings
 
 StationId = Annotated[int, msgspec.Meta(ge=1, le=4)]
+STATION_IDS = (1, 2, 3, 4)
+RECORDINGS = "recordings"
+CONSOLE_AT = "127.0.0.1:8080"
+TOKEN_LENGTH = 12  # characters that a token has at least
 FLUSH_SECONDS = {"0ms": 0.0, "2ms": 0.002, "5ms": 0.005}
 
 _BOAT = get_type_hints(BoatSettings, include_extras=True)
@@ -37,6 +45,23 @@ _ROVER = get_type_hints(RoverSettings, include_extras=True)
 _KIND = {"kind": Literal["boat", "rover"]}
 _BASE = {"base": Literal["documented", "physical"]}
 _GATEWAY: Keys = {"flush": Literal["0ms", "2ms", "5ms"], "log": Literal["debug", "info", "warning", "error"]}
+_RECORDING: Keys = {
+    "directory": str,
+    "segment_size": str,
+    "segment_age": str,
+    "budget": str,
+    "decoded": bool,
+    "enabled": bool,
+}
+_WEB: Keys = {
+    "enabled": bool,
+    "listen": str,
+    "token": Annotated[str, msgspec.Meta(min_length=TOKEN_LENGTH)],
+    "certificate": str,
+    "key": str,
+    "hosts": list[str],
+    "stations": list[StationId],
+}
 _STATION: Keys = {"id": StationId, "name": str, "url": str, "in": str, "out": str}
 _OUTPUT: Keys = {"url": str, "name": str}
 
@@ -74,6 +99,35 @@ class Output(msgspec.Struct, frozen=True):
     url: str
 
 
+class Recording(msgspec.Struct, frozen=True):
+    """Where the flight recorder writes, when it begins a new file (bytes, s), and what all may take (bytes).
+
+    `decoded` is whether messages are recorded in clear too.
+    """
+
+    directory: str
+    segment_size: int = 64_000_000
+    segment_age: float = 3600.0
+    budget: int = 2_000_000_000
+    decoded: bool = False
+
+
+class Web(msgspec.Struct, frozen=True):
+    """Where the console is served, and to whom.
+
+    `hosts` are the names by which browsers may call it beside its addresses, `stations` those that a console may be.
+    Without a `token` whoever reaches it sees and may be a station, which is for this computer alone.
+    """
+
+    host: str = "127.0.0.1"
+    port: int = 8080
+    token: str | None = None
+    certificate: str | None = None
+    key: str | None = None
+    hosts: tuple[str, ...] = ()
+    stations: tuple[int, ...] = STATION_IDS
+
+
 class Configuration(msgspec.Struct, frozen=True):
     """A whole configuration, understood; `flush` is in s, `log` the least severe level that is logged."""
 
@@ -86,6 +140,29 @@ class Configuration(msgspec.Struct, frozen=True):
     log: str = "info"
     protocol: Protocol | None = None
     """Frames and calibration of a rover."""
+    frames_file: str | None = None
+    """The file of the rover's own frames."""
+    recording: Recording | None = None
+    web: Web | None = None
+    text: str = ""
+    """The file as it stands."""
+
+    @property
+    def names(self) -> dict[int, str]:
+        """What the stations are called, all four, by number."""
+        named = {station.port.station: station.port.name for station in self.stations}
+        return {number: named.get(number, f"Station {number}") for number in STATION_IDS}
+
+    @property
+    def consoles(self) -> list[Port]:
+        """The ports that the console speaks on, one for each station that it may be."""
+        stations = () if self.web is None else self.web.stations
+        return [Port(f"{self.names[number]} web", number, console=True) for number in stations]
+
+    @property
+    def ports(self) -> list[Port]:
+        """All ways in: the wires of the stations, and the console's."""
+        return [station.port for station in self.stations] + self.consoles
 
     @property
     def bus_carries(self) -> urls.Carries:
@@ -112,7 +189,7 @@ def parse(text: str, file: str = "boat.toml") -> Configuration:
         raise syntax_error(file, text, fault) from fault
     mistakes = Mistakes(file, text)
     reader = _Reader(document, mistakes, file)
-    configuration = reader.configuration()
+    configuration = msgspec.structs.replace(reader.configuration(), text=text)
     if mistakes or reader.elsewhere:
         raise ConfigError("\n".join(filter(None, (str(mistakes.error()), *reader.elsewhere))))
     return configuration
@@ -129,6 +206,7 @@ class _Reader:
         self._kind = _kind(document)
         for name in document.keys() - self._kind.keys.keys():
             self._wrong(name, f"unknown table{did_you_mean(name, self._kind.keys)}")
+        self._given = document.keys()
         self._tables = {name: self._table(document, name) for name in self._kind.tables}
         self._lists = {name: self._list(document, name) for name in self._kind.lists}
 
@@ -160,6 +238,9 @@ class _Reader:
             flush=FLUSH_SECONDS[gateway.get("flush", "0ms")],
             log=gateway.get("log", "info"),
             protocol=protocol,
+            frames_file=self._frames_file(),
+            recording=self._recording(),
+            web=self._web(),
         )
         wanted = "like socketcan://can0" if configuration.bus_carries == "frames" else "like serial:///dev/ttyUSB0"
         self._require("bus.url", bus_url, f"a bus is needed, {wanted}")
@@ -177,15 +258,19 @@ class _Reader:
         vehicle = self._sound("vehicle")
         base = {"base": vehicle["calibration"]} if "calibration" in vehicle else {}
         calibration = calibrated(base | self._tables["calibration"], self._wrong)
-        protocol = Protocol(calibration, self._own_frames(vehicle.get("frames")))
+        protocol = Protocol(calibration, self._own_frames(self._frames_file()))
         return RoverSettings(**_without(vehicle, "kind", "frames")), protocol
+
+    def _frames_file(self) -> str | None:
+        path = self._sound("vehicle").get("frames")
+        return None if path is None else str(Path(self._file).parent / path)
 
     def _own_frames(self, path: str | None) -> tuple[type[RoverFrame], ...]:
         """The frames that the owner declares, in a file beside this one."""
         if path is None:
             return ()
         try:
-            return own_frames.load(Path(self._file).parent / path)
+            return own_frames.load(path)
         except ConfigError as fault:
             self.elsewhere.append(str(fault))
             return ()
@@ -217,6 +302,59 @@ class _Reader:
         given = self._sound("sentences")
         return {key: (RATES[key] or 1.0) if value is True else float(value) for key, value in given.items()}
 
+    def _recording(self) -> Recording | None:
+        """None where there is no such table, or it says so."""
+        values = self._sound("recording")
+        if "recording" not in self._given or not values.get("enabled", True):
+            return None
+        if not recorder_installed():
+            self._wrong("recording", "needs mcap and zstandard: pip install timonel[recording]")
+        recording = Recording(
+            directory=str(Path(self._file).parent / values.get("directory", RECORDINGS)),
+            decoded=values.get("decoded", False),
+            **self._measures(_only(values, "segment_size", "budget"), size),
+            **self._measures(_only(values, "segment_age"), duration),
+        )
+        if recording.budget < 2 * recording.segment_size:
+            self._wrong("recording.budget", "is less than two segments of segment_size")
+        return recording
+
+    def _web(self) -> Web | None:
+        """None where there is no such table, or it says so."""
+        values = self._sound("web")
+        if "web" not in self._given or not values.get("enabled", True):
+            return None
+        if not web_installed():
+            self._wrong("web", "needs starlette, uvicorn and websockets: pip install timonel[web]")
+        try:
+            host, port = place(values.get("listen", CONSOLE_AT))
+        except ValueError as fault:
+            self._wrong("web.listen", str(fault))
+            return Web()
+        if not is_loopback(host) and "token" not in self._tables["web"]:
+            self._wrong("web.token", f"missing; {host} is not this computer alone: say who may see, like {_a_token()}")
+        if ("key" in values) != ("certificate" in values):
+            self._wrong("web", "certificate and key go together")
+        files = {key: str(Path(self._file).parent / path) for key, path in _only(values, "certificate", "key").items()}
+        return Web(
+            host,
+            port,
+            values.get("token"),
+            hosts=tuple(values.get("hosts", ())),
+            stations=tuple(sorted(set(values.get("stations", STATION_IDS)))),
+            **files,
+        )
+
+    def _measures(self, values: Table, read: Callable[[str], float]) -> Table:
+        """Those that can be read, by name."""
+        measures = {}
+        for key, text in values.items():
+            try:
+                measures[key] = read(text)
+            except ValueError as fault:
+                self._wrong(f"recording.{key}", str(fault))
+        return measures
+
     def _stations(self) -> tuple[Station, ...]:
         return tuple(
             self._station(f"station[{number}]", table) for number, table in enumerate(self._lists["station"], 1)
@@ -247,7 +385,7 @@ class _Reader:
         return Output(values.get("name") or values.get("url", ""), values.get("url", ""))
 
     def _check_as_a_whole(self, configuration: Configuration) -> None:
-        if not self._lists["station"] and not self._lists["output"]:
+        if configuration.web is None and not self._lists["station"] and not self._lists["output"]:
             self._wrong("station", "missing; without a [[station]] or an [[output]] nobody hears anything")
         self._check_urls(configuration)
         self._check_once(
@@ -287,6 +425,8 @@ KINDS = {
             "bus": {"url": str, "address": _ADDRESS},
             "sentences": dict.fromkeys(RATES, bool | Hertz),
             "gateway": _GATEWAY,
+            "recording": _RECORDING,
+            "web": _WEB,
         },
         lists={"station": _STATION | {"shared": bool}, "output": _OUTPUT},
         settle=_Reader.boat,
@@ -297,6 +437,8 @@ KINDS = {
             "bus": {"url": str},
             "calibration": _BASE | get_type_hints(Calibration, include_extras=True),
             "gateway": _GATEWAY,
+            "recording": _RECORDING,
+            "web": _WEB,
         },
         lists={"station": _STATION, "output": _OUTPUT},
         settle=_Reader.rover,
@@ -311,8 +453,17 @@ def _kind(document: Table) -> Kind:
     return KINDS.get(str(name), KINDS["boat"])
 
 
+def _a_token() -> str:
+    """A line that nobody guesses, to copy."""
+    return f'token = "{secrets.token_urlsafe(15)}"'
+
+
 def _without(table: Table, *keys: str) -> Table:
     return {key: value for key, value in table.items() if key not in keys}
+
+
+def _only(table: Table, *keys: str) -> Table:
+    return {key: value for key, value in table.items() if key in keys}
 
 
 def _belongs(key: str, kind: Kind) -> str:

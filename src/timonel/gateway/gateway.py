@@ -16,6 +16,9 @@ within `FAULT_WINDOW` seconds the vehicle's state is not to be trusted any more,
 so that its supervisor starts it anew: in STANDBY with nobody in command, and without a word to the pilot, which
 keeps its course until a station takes command.
 
+The machine's time is the loop's in whole microseconds, so that a recording can hold it. A recorder is told what the
+vehicle is told before the vehicle, and what it answers before that is carried out.
+
 What runs once a frame is written for speed here.
 """
 
@@ -28,9 +31,10 @@ from typing import Any, Protocol
 
 import msgspec
 
-from timonel.core.effects import Effect, Say, Transmit
+from timonel.core.effects import Effect, Event, Say, Transmit
 from timonel.core.frame import Frame
 from timonel.gateway.health import Health
+from timonel.gateway.moment import moment
 from timonel.links.link import BusLink, ByteLink, Link
 from timonel.vehicles.vehicle import Vehicle
 
@@ -54,6 +58,14 @@ class Channel(msgspec.Struct, frozen=True):
     send: ByteLink | None
 
 
+class Connection(msgspec.Struct, frozen=True):
+    """How a link stands: whether it is connected, why or in what state, and since when, s."""
+
+    connected: bool
+    reason: str
+    since: float
+
+
 class Observer(Protocol):
     """Sees everything that goes through, after it has gone through; `now` is the loop's time."""
 
@@ -67,15 +79,41 @@ class Observer(Protocol):
         """A link, by its name, came or went."""
 
 
-class Gateway:
-    """A vehicle, its bus and its channels on the running loop. Made, opened and closed on that loop."""
+class Recorder(Protocol):
+    """Takes down what the vehicle is told and what it answers, in order; see `timonel.gateway.recorder`."""
 
-    def __init__(self, vehicle: Vehicle, bus: BusLink, channels: Sequence[Channel], *, flush: float = 0.0) -> None:
+    def frames_received(self, frames: Sequence[Frame], now: float) -> None: ...
+    def bytes_received(self, port: str, data: bytes, now: float) -> None: ...
+    def port_changed(self, port: str, connected: bool, now: float) -> None: ...
+    def expired(self, now: float) -> None: ...
+    def answered(self, effects: Sequence[Effect], now: float) -> None: ...
+    def note(self, kind: str, now: float, **fields: Any) -> None: ...
+
+
+class Gateway:
+    """A vehicle, its bus and its channels on the running loop. Made, opened and closed on that loop.
+
+    `began` is the time that the vehicle was made at, s.
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        bus: BusLink,
+        channels: Sequence[Channel],
+        *,
+        flush: float = 0.0,
+        began: float = 0.0,
+    ) -> None:
         self.vehicle = vehicle
+        self.began = began
         self.bus = bus
         self.channels = tuple(channels)
         self.health = Health()
         self.observers: list[Observer] = []
+        self.recorder: Recorder | None = None
+        self.connections: dict[str, Connection] = {}
+        """How each link stands, by name; one that has not told yet is not in it."""
         self.failed = asyncio.Event()
         """Set when there were too many faults; the gateway should be closed then."""
         self._flush_after = flush
@@ -98,6 +136,18 @@ class Gateway:
             links += [link for link in (channel.receive, channel.send) if link is not None]
         return list({id(link): link for link in links}.values())
 
+    @property
+    def now(self) -> float:
+        """The machine's time, s."""
+        return moment(self._loop.time())
+
+    def happened(self, events: Sequence[Event]) -> None:
+        """Something that is worth telling, beside what the vehicle notices."""
+        now = self.now
+        for event in events:
+            self.health.event(event, now)
+        self._show(partial(_show_effects, events, now))
+
     # Life ------------------------------------------------------------------------------------------------
 
     async def open(self) -> None:
@@ -113,7 +163,7 @@ class Gateway:
     async def _open_channel(self, channel: Channel) -> None:
         if channel.receive is not None:
             name = channel.receive.name
-            receive = partial(self._feed, name, self.vehicle.receive_bytes, channel.name)
+            receive = partial(self._feed, name, self._bytes_received, channel.name)
             await channel.receive.open(receive, partial(self._feed, name, self._port_changed, channel.name, name))
         if channel.send is not None and channel.send is not channel.receive:
             name = channel.send.name
@@ -136,31 +186,52 @@ class Gateway:
     def _frames_received(self, frames: list[Frame], now: float) -> list[Effect]:
         if self.observers:
             self._show(lambda observer: observer.frames_received(frames, now))
+        if self.recorder is not None:
+            self._record(self.recorder.frames_received, frames, now)
         return self.vehicle.receive_frames(frames, now)
+
+    def _bytes_received(self, port: str, data: bytes, now: float) -> list[Effect]:
+        if self.recorder is not None:
+            self._record(self.recorder.bytes_received, port, data, now)
+        return self.vehicle.receive_bytes(port, data, now)
 
     def _port_changed(self, port: str, name: str, connected: bool, reason: str, now: float) -> list[Effect]:
         self._link_changed(name, connected, reason, now)
+        if self.recorder is not None:
+            self._record(self.recorder.port_changed, port, connected, now)
         return self.vehicle.port_changed(port, connected, now)
 
     def _link_changed(self, name: str, connected: bool, reason: str, now: float) -> list[Effect]:
         self.health.link(name, connected, reason)
+        self.connections[name] = Connection(connected, reason, now)
+        if self.recorder is not None:
+            self._record(partial(self.recorder.note, link=name, connected=connected, reason=reason), "Link", now)
         self._show(lambda observer: observer.port(name, connected, now))
         return []
 
     def _expire(self) -> None:
         self._armed_for = float("inf")
-        self._feed("timer", self.vehicle.expire)
+        self._feed("timer", self._expired)
+
+    def _expired(self, now: float) -> list[Effect]:
+        if self.recorder is not None:
+            self._record(self.recorder.expired, now)
+        return self.vehicle.expire(now)
 
     def _feed(self, source: str, tell: Callable[..., list[Effect]], *what: Any) -> None:
         """Tell the vehicle what came from `source`, and do what it answers."""
         if self._closing:
             return
-        now = self._loop.time()
+        now = self.now
         if not self._guarded(source, self._tell, tell, what, now):
+            if self.recorder is not None:
+                self._record(partial(self.recorder.note, source=source), "Fault", now)
             self._fault(now)
 
     def _tell(self, tell: Callable[..., list[Effect]], what: Sequence[Any], now: float) -> None:
         if effects := tell(*what, now):
+            if self.recorder is not None:
+                self._record(self.recorder.answered, effects, now)
             self._carry_out(effects, now)
         self._arm(self.vehicle.deadline)
 
@@ -172,6 +243,15 @@ class Gateway:
             self.health.fault(source)
             return False
         return True
+
+    def guarded(self, source: str, act: Callable[..., object], *what: Any) -> bool:
+        """Do what is beside the vehicle's business; whether it came to its end. A fault is logged and counted."""
+        return self._guarded(source, act, *what)
+
+    def _record(self, write: Callable[..., None], *what: Any) -> None:
+        """Write something down; a recorder that cannot write without falling over is told no more."""
+        if not self._guarded("recorder", write, *what):
+            self.recorder = None
 
     def _arm(self, deadline: float) -> None:
         """See to it that `expire` is called at `deadline`; a timer that rings earlier is left to ring."""

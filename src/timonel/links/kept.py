@@ -47,6 +47,11 @@ class Kept(ABC, Generic[Incoming]):
         """Whether something is still to be sent."""
         return False
 
+    @property
+    def busy(self) -> bool:
+        """Whether something waits for room on the link."""
+        return self._pending()
+
     async def open(self, receive: Callable[[Incoming], None], changed: Changed) -> None:
         self._receive = receive
         self._changed = changed

@@ -229,7 +229,8 @@ def _mode(text: str) -> int:
     return int(text, 8)
 
 
-def _speed(text: str) -> float | None:
+def speed(text: str) -> float | None:
+    """A multiple of a recording's own pace, None for `max`. Raises ValueError with the end of a sentence."""
     if text in ("max", "0"):
         return None
     try:
@@ -265,6 +266,6 @@ SCHEMES = {
     "socketcan": Scheme("frames", "timonel.links.socketcan:SocketCanLink", _interface),
     "slcan": Scheme("frames", "timonel.links.slcan:SlcanLink", _path, {"bitrate": _bitrate, "baud": _baud}),
     "loop": Scheme("frames", "timonel.links.loop:LoopLink", _channel),
-    "file": Scheme("frames", "timonel.links.file:FileLink", _path, {"speed": _speed, "loop": _yes_or_no}),
+    "file": Scheme("frames", "timonel.links.file:FileLink", _path, {"speed": speed, "loop": _yes_or_no}),
 }
 PYTHON_CAN = Scheme("frames", "timonel.links.python_can:PythonCanLink", _numbered_channel)

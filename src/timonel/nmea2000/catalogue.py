@@ -256,6 +256,11 @@ def by_id(identifier: str) -> Definition:
     return next(found for found in variants(_index().pgn_of[identifier]) if found.id == identifier)
 
 
+def identifiers() -> dict[str, int]:
+    """The PGN of every definition, by what canboat calls it."""
+    return _index().pgn_of
+
+
 def pgns() -> list[int]:
     """Every PGN that has a definition. From 262144 on they are gateways' own and never on a bus."""
     return list(_index().definitions)

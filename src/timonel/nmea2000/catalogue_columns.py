@@ -11,7 +11,7 @@ Fixed fields are strided views, scaled; nothing is done row by row but for text,
 126208. The values are those of `Definition.decode_codes`, bit for bit.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache, cached_property
 from typing import Any
 
@@ -51,8 +51,8 @@ class Column(msgspec.Struct, frozen=True):
 
     float64 for a scaled number, NaN where there is none (`valid` is None then); an integer type for whole numbers,
     lookups and bit lookups, with `valid` False where there is none, None if all are valid; uint8[n, size] for bytes of
-    fixed size, of which row i has `sizes[i]` (None: all of them); objects for text, and for fields whose size or kind
-    the message tells: str, bytes, None, numbers.
+    fixed size, of which row i has `sizes[i]` (None: all of them); objects for text, and for fields whose size the
+    message tells: str, bytes, None, numbers.
     """
 
     field: Field
@@ -61,19 +61,46 @@ class Column(msgspec.Struct, frozen=True):
     sizes: Rows | None = None
 
 
+class Mixed(msgspec.Struct, frozen=True, dict=True):
+    """The values of a field whose kind the message tells, one a row; `parts` are those of one kind, with their rows."""
+
+    field: Field
+    rows: int
+    parts: tuple[tuple[Rows, Column], ...]
+
+    @cached_property
+    def values(self) -> Array:
+        """Objects: str, bytes, numbers, None. Made when they are asked for."""
+        values = np.full(self.rows, None, object)
+        for rows, column in self.parts:
+            values[rows] = _objects(listed(column))
+        return values
+
+    @property
+    def valid(self) -> None:
+        """As `Column` has it: the values themselves tell."""
+
+    @property
+    def sizes(self) -> None:
+        """As `Column` has it."""
+
+
+AnyColumn = Column | Mixed
+
+
 class Items(msgspec.Struct, frozen=True):
     """The items of a repeating set of all rows, in order; `rows` says which row each belongs to."""
 
     group: Group
     rows: Rows
-    fields: dict[str, Column]
+    fields: Mapping[str, AnyColumn]
 
 
 class Columns(msgspec.Struct, frozen=True):
     """What `columns` makes: fields by canboat's id, and repeating sets."""
 
     definition: Definition
-    fields: dict[str, Column]
+    fields: Mapping[str, AnyColumn]
     groups: tuple[Items, ...]
 
 
@@ -168,7 +195,7 @@ class _Table:
         self.lengths = store.lengths if rows is None else store.lengths[rows]
         self.flavour = flavour
         self.at: int | Rows = 0
-        self.fields: dict[str, Column] = {}
+        self.fields: dict[str, AnyColumn] = {}
         self.groups: list[Items] = []
 
     def __len__(self) -> int:
@@ -224,7 +251,7 @@ class _Table:
 
     def _keyed(self, field: Field, key: Field, length: Field | None, ats: Rows) -> None:
         """Values whose kind their key tells: those of one kind at a time."""
-        values = np.full(len(self), None, object)
+        parts = []
         wanted = np.empty(len(self), np.intp)
         readers = scalar.Readers(keys(key.lookup), self.flavour)
         codes = _codes(self.fields[key.id])
@@ -233,14 +260,14 @@ class _Table:
         for number, both in enumerate(kinds.tolist()):
             rows = np.flatnonzero(of_row == number)
             code, told = both >> 32, (both & 0xFFFFFFFF) - 1
-            found = self._of_kind(rows, ats[rows], code, told if told >= 0 else None, readers, length)
-            values[rows], wanted[rows] = found
-        self.fields[field.id] = Column(field, values)
+            column, wanted[rows] = self._of_kind(rows, ats[rows], code, told if told >= 0 else None, readers, length)
+            parts.append((rows, column))
+        self.fields[field.id] = Mixed(field, len(self), tuple(parts))
         self.at = ats + wanted
 
     def _of_kind(
         self, rows: Rows, ats: Rows, code: int, length: int | None, readers: Any, field: Field | None
-    ) -> tuple[Array, Rows]:
+    ) -> tuple[Column, Rows]:
         """The values of rows with one key and one length, and how many bytes they take."""
         overhead = field.overhead if field else 0
         told = readers.fields.get(code)
@@ -250,11 +277,12 @@ class _Table:
             if told is not None and isinstance(kind(told), Number):
                 (place,) = single(told).places  # type: ignore[union-attr]
                 column = _column(place, self.store.windows(self.rows[rows], ats, size), None)
-                return _objects(listed(column)), np.full(len(rows), size, np.intp)
+                return column, np.full(len(rows), size, np.intp)
         data = self.store.whole(self.rows[rows])
         both = zip(data, ats.tolist(), strict=True)
         made = [scalar.keyed(readers, overhead, one, at, code, length) for one, at in both]
-        return _objects([value for value, _ in made]), np.array([end for _, end in made], np.intp) - ats
+        kept = Column(told or Field(), _objects([value for value, _ in made]))
+        return kept, np.array([end for _, end in made], np.intp) - ats
 
     def _repeated(self, part: Repeated) -> None:
         group, ats = part.group, np.broadcast_to(np.asarray(self.at, np.intp), len(self))
@@ -331,14 +359,17 @@ class _Table:
         self.at = np.array([end for _, end in made], np.intp)
 
 
-def _joined(definition: Definition, group: Group, steps: Sequence[tuple[Rows, dict[str, Column]]]) -> Items:
+def _joined(definition: Definition, group: Group, steps: Sequence[tuple[Rows, dict[str, AnyColumn]]]) -> Items:
     """Items that were read step by step, in the order of their rows."""
     fields = [field for field in definition.fields[group.first : group.end] if not field.silent]
     rows = np.concatenate([np.empty(0, np.intp), *(found for found, _ in steps)])
     order = np.argsort(rows, kind="stable")
-    made = {}
+    made: dict[str, AnyColumn] = {}
     for field in fields:
         parts = [columns_of[field.id] for _, columns_of in steps] or [_nothing(field)]
+        if any(isinstance(part, Mixed) for part in parts):
+            made[field.id] = _mixed(field, order, [part for part in parts if isinstance(part, Mixed)])
+            continue
         values = np.concatenate([part.values for part in parts])[order]
         masks = np.concatenate([_valid(part) for part in parts])[order]
         sizes = np.concatenate([_sizes(part) for part in parts])[order]
@@ -347,7 +378,29 @@ def _joined(definition: Definition, group: Group, steps: Sequence[tuple[Rows, di
     return Items(group, rows[order], made)
 
 
-def _sizes(column: Column) -> Rows:
+def _mixed(field: Field, order: Rows, steps: list[Mixed]) -> Mixed:
+    """The values of all steps: those of one kind together."""
+    places = np.empty(len(order), np.intp)
+    places[order] = np.arange(len(order))
+    kinds: dict[tuple[Field, str], list[tuple[Rows, Column]]] = {}
+    before = 0
+    for step in steps:
+        for rows, column in step.parts:
+            kinds.setdefault((column.field, column.values.dtype.str), []).append((places[before + rows], column))
+        before += step.rows
+    return Mixed(field, len(order), tuple(_one_kind(found) for found in kinds.values()))
+
+
+def _one_kind(found: list[tuple[Rows, Column]]) -> tuple[Rows, Column]:
+    if len(found) == 1:
+        return found[0]
+    rows = np.concatenate([rows for rows, _ in found])
+    values = np.concatenate([column.values for _, column in found])
+    masks = np.concatenate([_valid(column) for _, column in found])
+    return rows, Column(found[0][1].field, values, None if masks.all() else masks)
+
+
+def _sizes(column: AnyColumn) -> Rows:
     if column.sizes is not None:
         return column.sizes
     return np.full(len(column.values), column.values.shape[1] if column.values.ndim == 2 else 0)
@@ -515,21 +568,21 @@ def _objects(values: Sequence[Any]) -> Array:
     return made
 
 
-def _valid(column: Column) -> Mask:
+def _valid(column: AnyColumn) -> Mask:
     return np.ones(len(column.values), np.bool_) if column.valid is None else column.valid
 
 
-def _codes(column: Column) -> npt.NDArray[np.int64]:
+def _codes(column: AnyColumn) -> npt.NDArray[np.int64]:
     """Whole numbers, -1 where there is none."""
     codes = column.values.astype(np.int64)
     return codes if column.valid is None else np.where(column.valid, codes, -1)
 
 
-def _taken(column: Column, rows: Rows) -> Column:
+def _taken(column: AnyColumn, rows: Rows) -> Column:
     return Column(column.field, column.values[rows], None if column.valid is None else column.valid[rows])
 
 
-def listed(column: Column) -> list[Any]:
+def listed(column: AnyColumn) -> list[Any]:
     """The values as Python's own, None where there is none."""
     if column.values.ndim == 2:
         return _listed_bytes(column)
@@ -541,12 +594,12 @@ def listed(column: Column) -> list[Any]:
     return [value if valid else None for value, valid in zip(values, column.valid.tolist(), strict=True)]
 
 
-def _listed_bytes(column: Column) -> list[bytes | None]:
+def _listed_bytes(column: AnyColumn) -> list[bytes | None]:
     found = _bytes(np.ascontiguousarray(column.values), _sizes(column))
     return [one if one and valid else None for one, valid in zip(found, _valid(column).tolist(), strict=True)]
 
 
-def words(found: dict[str, Column], name: str) -> list[Any]:
+def words(found: Mapping[str, AnyColumn], name: str) -> list[Any]:
     """The labels of a lookup's values, numbers where there is no label, None where there is no value."""
     column = found[name]
     if column.field.by:

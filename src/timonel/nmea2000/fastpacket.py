@@ -108,6 +108,11 @@ class Reassembler:
         """Messages on their way in."""
         return len(self._slots)
 
+    @property
+    def slots(self) -> list[int]:
+        """The slots in use, oldest first: identifier without priority, then three bits of sequence counter."""
+        return list(self._slots)
+
     # Once a frame, so the common case, a frame in its place, comes first and calls nothing.
     def receive(self, identifier: int, data: bytes, now: float) -> bytes | None:
         """Take one frame (`now` in s); the message, without padding, if the frame completes one."""

@@ -26,11 +26,15 @@ from timonel.recording.flight import (
     TIMER,
 )
 
+FULL = 1_000_000  # bytes
 SPAN = 100_000  # us of frames that one message of `bus` holds
-ROWS = 4096  # at most
 STEPS = 1 << 32
+LATEST = 1 << 64
+_encode = msgspec.json.Encoder().encode
+BUS_NUMBER = 1
 _MESSAGE_SIZE = MESSAGE_HEAD.size - RECORD.size
-_INDEX = struct.Struct("<QQ")  # an entry of a message index
+_pack_row, _pack_head = ROW.pack, MESSAGE_HEAD.pack
+_pack_entry = struct.Struct("<QQ").pack  # of a message index
 _CDR = struct.Struct("<4sI")
 _LITTLE_ENDIAN = b"\0\1\0\0"  # CDR's header
 
@@ -105,7 +109,9 @@ class Tape:
     def __init__(self, stations: Iterable[str], offset: int) -> None:
         self.offset = offset
         self.step = -1
-        """The number of the step that is recorded, counted modulo 2**32."""
+        """The number of the step that is recorded, from 0; none before the first."""
+        self.full = False
+        """Whether what was recorded should be taken before its time."""
         self.numbers: dict[str, int] = {}
         self._topics: list[Topic] = []
         for topic in (*OWN, *(Topic(IN + station, TEXT) for station in stations)):
@@ -115,9 +121,10 @@ class Tape:
         self._begin()
 
     def _begin(self) -> None:
+        self.full = False
         self._data = bytearray()
         self._indexes: dict[int, bytearray] = {}
-        self._first: int | None = None
+        self._first = LATEST
         self._last = 0
         self._began = self.step
 
@@ -128,59 +135,63 @@ class Tape:
             self.numbers[topic.name] = len(self._topics)
         return self.numbers[topic.name]
 
-    @property
-    def size(self) -> int:
-        """Of what was recorded since the last page, in bytes, before it is compressed."""
-        return len(self._data) + len(self._rows)
-
     def frames(self, frames: Sequence[Frame], us: int, flags: int = 0) -> None:
         """Frames that the machine was told together, or sent (`SENT`), at monotonic `us`."""
-        rows, step = self._rows, self.step % STEPS
-        if rows and (us - self._rows_us >= SPAN or len(rows) >= ROWS * ROW.size):
-            self._close_rows()
-            rows = self._rows
-        if not rows:
-            self._rows_us, self._rows_step = us, step
-        if not frames:
-            self._put(1, us, step, _CDR.pack(_LITTLE_ENDIAN, 0))
+        step = self.step % STEPS
         elapsed = us - self._rows_us
-        pack = ROW.pack
+        if elapsed >= SPAN or not self._rows:
+            self._begin_rows(us, step)
+            elapsed = 0
+        if not frames:
+            self.add(BUS_NUMBER, us, _CDR.pack(_LITTLE_ENDIAN, 0))
+        rows = self._rows
         for frame in frames:
             data = frame.data
             number = frame.identifier | EXTENDED if frame.extended else frame.identifier
-            rows += pack(number, len(data), flags, 0, data, elapsed, step)
-            for place in range(8, len(data), 8):
-                rest = data[place : place + 8]
-                rows += pack(number, len(rest), flags | CONTINUED, 0, rest, elapsed, step)
+            rows += _pack_row(number, len(data), flags, 0, data, elapsed, step)
+            if len(data) > 8:
+                self._continue(number, data, flags | CONTINUED, elapsed)
 
-    def add(self, channel: int, us: int, data: bytes) -> None:
-        """A message of any other topic."""
-        self._put(channel, us, self.step % STEPS, data)
+    def _continue(self, number: int, data: bytes, flags: int, elapsed: int) -> None:
+        """The rest of a frame that is longer than a row."""
+        for place in range(8, len(data), 8):
+            rest = data[place : place + 8]
+            self._rows += _pack_row(number, len(rest), flags, 0, rest, elapsed, self.step % STEPS)
+
+    def _begin_rows(self, us: int, step: int) -> None:
+        if self._rows:
+            self._close_rows()
+        self._rows_us, self._rows_step = us, step
 
     def _close_rows(self) -> None:
         rows, self._rows = self._rows, bytearray()
-        self._put(1, self._rows_us, self._rows_step, _CDR.pack(_LITTLE_ENDIAN, len(rows) // ROW.size) + rows)
+        message = _CDR.pack(_LITTLE_ENDIAN, len(rows) // ROW.size) + rows
+        self.add(BUS_NUMBER, self._rows_us, message, self._rows_step)
 
-    def _put(self, channel: int, us: int, step: int, data: bytes | bytearray) -> None:
+    def add(self, channel: int, us: int, data: bytes | bytearray, step: int | None = None) -> None:
+        """A message of a topic, by its number; of this step if no other is said."""
         now = us * 1000
         stamp = now + self.offset
-        place = self._data
+        messages = self._data
         index = self._indexes.get(channel)
         if index is None:
             index = self._indexes[channel] = bytearray()
-        index += _INDEX.pack(stamp, len(place))
-        place += MESSAGE_HEAD.pack(MESSAGE, _MESSAGE_SIZE + len(data), channel, step, stamp, now)
-        place += data
-        if self._first is None or stamp < self._first:
-            self._first = stamp
+        index += _pack_entry(stamp, len(messages))
+        number = self.step % STEPS if step is None else step
+        messages += _pack_head(MESSAGE, _MESSAGE_SIZE + len(data), channel, number, stamp, now)
+        messages += data
+        if len(messages) > FULL:
+            self.full = True
         if stamp > self._last:
             self._last = stamp
+        if stamp < self._first:
+            self._first = stamp
 
     def take(self) -> Page | None:
         """What was recorded since the last page; None if that is nothing. Only between two steps."""
         if self._rows:
             self._close_rows()
-        if self._first is None:
+        if not self._data:
             return None
         steps = self.step - self._began
         page = Page(tuple(self._topics), self._data, self._indexes, self._first, self._last, steps)
@@ -188,6 +199,12 @@ class Tape:
         return page
 
 
+class Text(msgspec.Struct, gc=False):
+    """The bytes of a port, each a character."""
+
+    text: str
+
+
 def text(data: bytes) -> bytes:
     """The message of a port's bytes."""
-    return msgspec.json.encode({"text": data.decode("latin-1")})
+    return _encode(Text(data.decode("latin-1")))

@@ -66,6 +66,15 @@ def test_engage_holds_the_present_heading():
     assert shown(boat.pilot) == (HOLD, 1825)
 
 
+def test_a_command_is_pending_until_the_pilot_reports_that_it_does():
+    boat = Boat()
+    assert not boat.pilot.pending
+    boat.engaged()
+    assert boat.pilot.pending
+    boat.pilot.reported(PilotReport(HOLD, 900), 1.2)
+    assert not boat.pilot.pending
+
+
 @pytest.mark.parametrize(("degrees", "expected"), [(359.97, 0), (0.04, 0), (359.94, 3599), (0.05001, 1)])
 def test_a_course_is_rounded_to_a_tenth_and_never_three_hundred_and_sixty(degrees: float, expected: int):
     assert tenths(degrees) == expected

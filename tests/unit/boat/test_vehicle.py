@@ -10,7 +10,7 @@ from timonel.core.frame import Frame
 from timonel.core.message import Message
 from timonel.nmea0183 import parp
 from timonel.nmea0183.parp import Verb
-from timonel.nmea0183.sentences import ACK
+from timonel.nmea0183.sentences import ACK, ACN, AlertCommand
 from timonel.nmea2000.fastpacket import fragment
 from timonel.nmea2000.identifier import join
 from timonel.nmea2000.lookups import HeadingReference, SteeringMode
@@ -274,7 +274,17 @@ def test_an_alert_is_said_and_any_station_acknowledges_it():
     assert boat.receive_bytes("IN3", ACK(101).encode("II"), 3.0) == []
 
 
-@pytest.mark.parametrize("sentence", [b"$IIACK,*4A", b"$IIACK,101*00", b"$IIACK,xyz*33"])
+def test_a_station_silences_and_acknowledges_an_alert_by_command_too():
+    boat = Boat(BoatSettings(), PORTS, now=0.0)
+    boat.expire(3.0)
+    boat.receive_bytes("IN4", ACN(alarm=101, command=AlertCommand.SILENCE, status="C").encode("II"), 3.0)
+    assert [alert.silenced_until for alert in boat.helm.alerts.standing] == [33.0]
+    assert boat.deadline <= 33.0
+    boat.receive_bytes("IN4", ACN(alarm=101, command=AlertCommand.ACKNOWLEDGE, status="C").encode("II"), 3.0)
+    assert [alert.acknowledged for alert in boat.helm.alerts.standing] == [True]
+
+
+@pytest.mark.parametrize("sentence", [b"$IIACK,*4A", b"$IIACK,101*00", b"$IIACK,xyz*33", b"$IIACN,,,101,,Q,C*6E"])
 def test_an_acknowledgement_that_is_none_is_rejected(sentence: bytes):
     effects = Afloat().boat.receive_bytes("IN1", sentence + b"\r\n", 0.0)
     assert [type(effect) for effect in effects] == [Rejected]
@@ -288,6 +298,17 @@ def test_an_unplugged_commander_keeps_command_and_people_are_told():
     assert afloat.boat.helm.alerts.active(COMMANDER_UNPLUGGED)
     assert any(line.startswith("$IIALR,,106,A,V") for line in lines(effects))
     assert afloat.boat.helm.transfer.commander == 2
+    afloat.boat.port_changed("IN2", True, 0.0)
+    assert not afloat.boat.helm.alerts.active(COMMANDER_UNPLUGGED)
+
+
+def test_a_commander_with_another_port_that_is_connected_is_not_unplugged():
+    afloat = Afloat(ports=[*PORTS, Port("console", 2, console=True)]).in_command(2)
+    afloat.boat.port_changed("console", True, 0.0)
+    afloat.boat.port_changed("IN2", False, 0.0)
+    assert not afloat.boat.helm.alerts.active(COMMANDER_UNPLUGGED)
+    afloat.boat.port_changed("console", False, 0.0)
+    assert afloat.boat.helm.alerts.active(COMMANDER_UNPLUGGED)
     afloat.boat.port_changed("IN2", True, 0.0)
     assert not afloat.boat.helm.alerts.active(COMMANDER_UNPLUGGED)
 

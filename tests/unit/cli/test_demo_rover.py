@@ -46,7 +46,7 @@ def two_free_ports() -> int:
 
 def test_the_demo_shows_a_rover_that_obeys_its_stations_until_ctrl_c(tmp_path: Path) -> None:
     port = two_free_ports()
-    demo = start("demo", "rover", "--no-view", "--directory", str(tmp_path), "--port", str(port))
+    demo = start("demo", "rover", "--no-view", "--no-web", "--directory", str(tmp_path), "--port", str(port))
     try:
         while True:
             try:
@@ -69,13 +69,15 @@ def test_the_demo_shows_a_rover_that_obeys_its_stations_until_ctrl_c(tmp_path: P
         demo.send_signal(signal.SIGINT)
         _, told = demo.communicate(timeout=20)
     assert demo.returncode == 0, told.decode()
-    assert not list(tmp_path.iterdir())
+    assert [path.name for path in tmp_path.iterdir()] == ["recordings"]
+    verified = timonel("replay", "--verify", str(tmp_path / "recordings"))
+    assert (verified.returncode, verified.stderr) == (0, b"")
 
 
 def test_a_second_demo_is_told_that_the_port_is_taken() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = str(server.getsockname()[1])
-        shown = timonel("demo", "rover", "--port", port)
+        shown = timonel("demo", "rover", "--no-web", "--port", port)
     assert shown.returncode == 1
     assert shown.stderr.decode() == f"127.0.0.1:{port}: Address already in use; --port takes another one\n"
 

@@ -1,6 +1,7 @@
 import json
 import os
 import signal
+import socket
 import time
 from pathlib import Path
 
@@ -64,3 +65,13 @@ def test_a_configuration_with_mistakes_is_not_run(tmp_path: Path) -> None:
     run = timonel("run", path)
     assert run.returncode == 2
     assert run.stderr.decode().startswith(f"{path}:9, output[1].url: ")
+
+
+def test_a_console_whose_port_is_taken_is_an_error_at_once(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        place = f"127.0.0.1:{server.getsockname()[1]}"
+        run = timonel("run", configuration(tmp_path, f'[web]\nlisten = "{place}"\n'))
+    assert run.returncode == 1
+    assert run.stderr.decode().endswith(
+        f"console: {place}: Address already in use; listen in [web] takes another one\n"
+    )

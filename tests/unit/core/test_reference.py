@@ -14,7 +14,7 @@ from timonel.nmea2000.messages.steering import VesselHeading
 ROOT = Path(__file__).parents[3]
 
 
-@pytest.mark.parametrize("name", ["pgns.md", "conversion.md", "rover_frames.md"])
+@pytest.mark.parametrize("name", ["pgns.md", "conversion.md", "rover_frames.md", "security.md"])
 def test_a_page_is_made_of_the_declarations_as_they_are(name):
     script = runpy.run_path(str(ROOT / "scripts" / "make_reference.py"))
     assert (ROOT / "docs" / name).read_text() == script["PAGES"][name](), "run scripts/make_reference.py"

@@ -4,7 +4,8 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from timonel.errors import ConfigError
-from timonel.gateway.configuration import KINDS, Output, Station, load, parse
+from timonel.gateway import configuration
+from timonel.gateway.configuration import KINDS, Output, Recording, Station, load, parse
 from timonel.vehicles.boat.conversion import RATES
 from timonel.vehicles.boat.settings import BoatSettings, Port
 
@@ -77,7 +78,51 @@ def test_a_station_may_hear_nothing() -> None:
     assert parse(text).stations[0] == Station(Port("Station 4", 4), "udp://:2000", None)
 
 
+def test_a_table_is_enough_to_be_recorded() -> None:
+    assert parse(SOUND).recording is None
+    assert parse(SOUND + "[recording]\n").recording == Recording("recordings")
+    assert parse(SOUND + "[recording]\nenabled = false\n").recording is None
+
+
+def test_what_is_recorded_where_and_how_much_is_up_to_the_owner() -> None:
+    table = 'directory = "log"\nsegment_size = "1.5 MB"\nsegment_age = "90 min"\nbudget = "1 GB"\ndecoded = true\n'
+    recording = parse(SOUND + "[recording]\n" + table, "/etc/timonel/boat.toml").recording
+    assert recording == Recording("/etc/timonel/log", 1_500_000, 5400.0, 10**9, True)
+
+
+def test_a_recorder_that_is_not_installed_is_a_mistake(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(configuration, "recorder_installed", lambda: False)
+    assert mistakes(SOUND + "[recording]\n") == [
+        "boat.toml:8, recording: needs mcap and zstandard: pip install timonel[recording]"
+    ]
+    assert parse(SOUND + "[recording]\nenabled = false\n").recording is None
+
+
+def test_the_text_of_the_file_is_kept() -> None:
+    assert parse(SOUND).text == SOUND
+
+
 MISTAKES = {
+    "a size": (
+        SOUND + '[recording]\nbudget = "2 Gb"\n',
+        'boat.toml:9, recording.budget: "2 Gb" should be a size like "64 MB" (kB, MB, GB, TB)',
+    ),
+    "a time": (
+        SOUND + '[recording]\nsegment_age = "0 h"\n',
+        'boat.toml:9, recording.segment_age: "0 h" should be a time like "1 h" (s, min, h, d)',
+    ),
+    "a size that is a number": (
+        SOUND + "[recording]\nsegment_size = 64\n",
+        "boat.toml:9, recording.segment_size: 64 should be text",
+    ),
+    "a budget for less than two segments": (
+        SOUND + '[recording]\nbudget = "100 MB"\n',
+        "boat.toml:9, recording.budget: is less than two segments of segment_size",
+    ),
+    "a misspelt key of the recording": (
+        SOUND + '[recording]\ndirektory = "a"\n',
+        'boat.toml:9, recording.direktory: unknown key (did you mean "directory"?)',
+    ),
     "an unknown scheme": (
         SOUND.replace("socketcan", "sockcan"),
         'boat.toml:4, bus.url: unknown scheme "sockcan" (did you mean "socketcan"?)',

@@ -11,6 +11,7 @@ from timonel.nmea0183.registry import SENTENCES, parse
 from timonel.nmea0183.sentence import Sentence
 from timonel.nmea0183.sentences import (
     ACK,
+    ACN,
     ALR,
     APB,
     DBK,
@@ -40,6 +41,7 @@ from timonel.nmea0183.sentences import (
     XDR,
     XTE,
     ZDA,
+    AlertCommand,
     HeadingMode,
     Mode,
     NavigationalStatus,
@@ -117,6 +119,7 @@ WRITTEN = [
     (HSC(45.5, 49.0), "IIHSC,45.5,T,49.0,M"),
     (ALR(NOON, 41, True, False, "PILOT OFF COURSE"), "IIALR,120000,041,A,V,PILOT OFF COURSE"),
     (ACK(41), "IIACK,041"),
+    (ACN(NOON, None, 41, None, AlertCommand.SILENCE, "C"), "IIACN,120000,,041,,S,C"),
     (
         HTC(
             False,

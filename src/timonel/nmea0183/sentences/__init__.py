@@ -1,7 +1,7 @@
 """The typed sentences, each declared once."""
 
 from timonel.nmea0183.fields import Mode
-from timonel.nmea0183.sentences.alarm import ACK, ALR
+from timonel.nmea0183.sentences.alarm import ACK, ACN, ALR, AlertCommand
 from timonel.nmea0183.sentences.heading import HDG, HDM, HDT, HSC, ROT, THS, HeadingMode
 from timonel.nmea0183.sentences.kinds import Reference
 from timonel.nmea0183.sentences.position import GGA, GLL, RMC, VTG, ZDA, NavigationalStatus
@@ -13,6 +13,7 @@ from timonel.nmea0183.sentences.wind import MWD, MWV, SpeedUnit, WindReference
 
 __all__ = [
     "ACK",
+    "ACN",
     "ALR",
     "APB",
     "DBK",
@@ -42,6 +43,7 @@ __all__ = [
     "XDR",
     "XTE",
     "ZDA",
+    "AlertCommand",
     "HeadingMode",
     "Mode",
     "NavigationalStatus",

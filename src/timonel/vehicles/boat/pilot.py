@@ -130,6 +130,11 @@ class Pilot:
         """The set point for STATUS in tenths of a degree: 0 in STANDBY, None where it is not known."""
         return 0 if self._mode is STANDBY else self._setpoint
 
+    @property
+    def pending(self) -> bool:
+        """Whether a command waits for the pilot to confirm it."""
+        return self._command is not None
+
     def heading(self, now: float) -> float | None:
         """The present heading in degrees; None if the last one is 3 s old."""
         return self._heading if now < self._heading_heard + DATA_AGE else None

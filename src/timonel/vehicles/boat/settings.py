@@ -34,7 +34,11 @@ class BoatSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Port(msgspec.Struct, frozen=True):
-    """A way in or out: who speaks on it. `station` None is a wire that several stations share."""
+    """A way in or out: who speaks on it. `station` None is a wire that several stations share.
+
+    A `console` is no wire, but the gateway's own: it says words for which a vehicle's wires have none.
+    """
 
     name: str
     station: int | None = None
+    console: bool = False

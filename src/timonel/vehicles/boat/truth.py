@@ -92,6 +92,11 @@ class Datum(Generic[T]):
         self._heard = now
         return True
 
+    @property
+    def heard(self) -> float:
+        """When the value was told, s; minus infinity if there is none, or it was taken back."""
+        return self._heard
+
     def withdraw(self, source: int) -> None:
         """`source` takes back what it told: there is no value, and whoever speaks next is heard."""
         if source == self._source:

@@ -26,7 +26,7 @@ from timonel.nmea0183 import parp
 from timonel.nmea0183.checksum import Fault
 from timonel.nmea0183.framing import SentenceFramer
 from timonel.nmea0183.registry import parse
-from timonel.nmea0183.sentences import ACK, ALR
+from timonel.nmea0183.sentences import ACK, ACN, ALR, AlertCommand
 from timonel.nmea2000 import registry
 from timonel.nmea2000.fastpacket import FastPacketCounters, Reassembler
 from timonel.nmea2000.identifier import split
@@ -96,7 +96,7 @@ class Boat:
         self._driver = StandardPilot(settings.address, self._reference)
         self._reassembler = Reassembler(settings.fast_packet_age)
         self._wires = {port.name: Wire(port, settings) for port in ports}
-        self._unplugged: set[int] = set()
+        self._connected: dict[str, bool] = {}
         self._routes: dict[int, Route] = {}
         self._status_due = now
         self._due: float | None = None
@@ -210,16 +210,20 @@ class Boat:
             return []
         effects = self._overdue(now)
         wire.framer = SentenceFramer()
-        if wire.port.station is not None:
-            (self._unplugged.discard if connected else self._unplugged.add)(wire.port.station)
+        self._connected[port] = connected
         return effects + self._tell(self._watch_commander(now), now)
 
     def _watch_commander(self, now: float) -> list[Event]:
         commander = self.helm.transfer.commander
-        if commander not in self._unplugged:
+        if not self._unplugged(commander):
             return self.helm.alerts.rectify(COMMANDER_UNPLUGGED)
         text = f"the port of station {commander}, which is in command, is unplugged"
         return self.helm.alerts.arise(COMMANDER_UNPLUGGED, text, now)
+
+    def _unplugged(self, station: int) -> bool:
+        """Whether none of its own ports is connected, of those that ever were or were missed."""
+        known = [on for port, on in self._connected.items() if self._wires[port].port.station == station]
+        return bool(known) and not any(known)
 
     def _receive_command(self, wire: Wire, sentence: bytes, now: float) -> list[Effect]:
         command = parp.read_command(sentence)
@@ -238,13 +242,15 @@ class Boat:
         return self._tell(self.helm.obey(command, station, now), now, status=True)
 
     def _receive_sentence(self, wire: Wire, sentence: bytes, now: float) -> list[Effect]:
-        """Of the standard's sentences a station may acknowledge alerts; the rest is not for us."""
-        if sentence[3:7] != b"ACK,":
+        """Of the standard's sentences a station may acknowledge and silence alerts; the rest is not for us."""
+        if sentence[3:7] not in (b"ACK,", b"ACN,"):
             self.counters["sentences not for us"] += 1
             return []
         match parse(sentence):
-            case ACK(alarm=int() as alarm):
+            case ACK(alarm=int() as alarm) | ACN(alarm=int() as alarm, command=AlertCommand.ACKNOWLEDGE):
                 return self._tell(self.helm.alerts.acknowledge(alarm), now)
+            case ACN(alarm=int() as alarm, command=AlertCommand.SILENCE):
+                return self._tell(self.helm.alerts.silence(alarm, now), now)
             case Fault() as fault:
                 return self._reject(fault, sentence, wire)
         return self._reject(Fault.MALFORMED, sentence, wire)

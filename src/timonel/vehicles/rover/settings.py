@@ -29,7 +29,11 @@ class RoverSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Port(msgspec.Struct, frozen=True):
-    """A way in: the link of one station. On a rover nobody shares a wire; the frames do not say who speaks."""
+    """A way in: the link of one station. On a rover nobody shares a wire; the frames do not say who speaks.
+
+    A `console` is no wire, but the gateway's own: what it says is written as `console` (the module) tells.
+    """
 
     name: str
     station: int
+    console: bool = False

@@ -20,6 +20,7 @@ from timonel.core.command import NOBODY, OnTimeout, Transferred
 from timonel.core.effects import Effect, Event, Refused, Rejected, Say, SecurityEvent, Transmit
 from timonel.core.frame import Frame
 from timonel.core.pace import Pace
+from timonel.vehicles.rover.console import CONSOLE, VERBS, Console, Word
 from timonel.vehicles.rover.declaration import Party
 from timonel.vehicles.rover.drive import SILENT, STOP_BURST, STOP_PERIOD, Drive, Permission, Stick, Stop, Wheels
 from timonel.vehicles.rover.frames import (
@@ -70,7 +71,8 @@ class Rover:
         self._lengths = protocol.lengths(Party.ROVER)
         self._telemetry = protocol.lengths(Party.OPERATOR)
         self._stations = {port.name: port.station for port in ports}
-        self._framers = {port.name: self._framer() for port in ports}
+        self._consoles = frozenset(port.name for port in ports if port.console)
+        self._framers = {port.name: self._framer(port.name) for port in ports}
         self._crosses_whole = settings.role == "operator"  # on a UART a frame is as long as it likes
         self._segmented = {
             number: size for number, size in self._telemetry.items() if protocol.declarations[number].SEGMENTED
@@ -89,11 +91,18 @@ class Rover:
         """The drives."""
         return self.helm.drive
 
+    def limit(self, identifier: int) -> int | None:
+        """A limit in its steps (frames 115, 119, 120), as the commander said it; None if nobody did."""
+        data = self._limits.get(identifier)
+        return None if data is None else data[0]
+
     def framing(self) -> dict[str, Framer]:
         """The framer of each port, with its counters: the quality of the link."""
         return self._framers
 
-    def _framer(self) -> Framer:
+    def _framer(self, port: str) -> Framer:
+        if port in self._consoles:
+            return Console(self._lengths | CONSOLE)
         return self._dialect(self._lengths, self.settings.idle)
 
     # From the stations ----------------------------------------------------------------------------
@@ -120,12 +129,25 @@ class Rover:
                 return self._tell(self.helm.stick(stick, station, now, age), now)
             case DriveEnable.FRAME:
                 return self._tell(self.helm.permission(data == PERMIT, station, now, age), now)
+            case Word.COMMAND | Word.ACKNOWLEDGE | Word.SILENCE:
+                return self._tell(self._hear_word(identifier, int.from_bytes(data, "big"), station, now), now)
         heard = self._tell(self.helm.heard(station, now, age), now)
         if station != self.helm.transfer.commander:
             return [*heard, *self._tell([Refused("not in command", station)], now)]
         if identifier in LIMITS:
             return heard + self._limit(identifier, data, station, now)
         return heard + self._pass_on(identifier, data, now)
+
+    def _hear_word(self, word: int, what: int, station: int, now: float) -> list[Event]:
+        """What only a console says."""
+        match word:
+            case Word.ACKNOWLEDGE:
+                return self.helm.alerts.acknowledge(what)
+            case Word.SILENCE:
+                return self.helm.alerts.silence(what, now)
+            case _:
+                verb = VERBS.get(what)
+                return [] if verb is None else self.helm.say(verb, station, now)
 
     def _limit(self, identifier: int, data: bytes, station: int, now: float) -> list[Effect]:
         if not 1 <= data[0] <= LIMITS[identifier]:
@@ -151,7 +173,7 @@ class Rover:
             return []
         effects = self._overdue(now)
         counters = self._framers[port].counters
-        self._framers[port] = self._framer()  # half a frame is not finished by who comes next
+        self._framers[port] = self._framer(port)  # half a frame is not finished by who comes next
         self._framers[port].counters = counters
         if connected or self._stations[port] != self.helm.transfer.commander:
             return effects

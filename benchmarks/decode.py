@@ -1,0 +1,214 @@
+"""How many frames and sentences of recordings are decoded in a second, beside packages that do the same.
+
+    python -m benchmarks.decode [--inputs DIR] [--passes N] [--json]
+
+The inputs are public recordings, played over and over to a million frames; `--inputs` keeps them for the next time.
+Everything runs once in each pass, so that all of it meets the same disturbances; the best pass counts. Times are of
+the processor, in this process, on one core.
+"""
+
+import argparse
+import json
+import logging
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from itertools import islice
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pynmea2
+from nmea2000.decoder import NMEA2000Decoder
+from nmea2000.input_formats import N2KFormat
+
+from benchmarks.table import table
+from tests.recordings import ROOT, SHARED
+from timonel.nmea2000.catalogue import finder
+from timonel.nmea2000.fastpacket import Reassembler
+from timonel.nmea2000.identifier import split
+from timonel.nmea2000.registry import is_fast
+from timonel.recording.assembly import Assembly
+from timonel.recording.candump import Candump
+from timonel.recording.chunks import open_frames
+from timonel.recording.fast_nmea0183 import open_sentences
+from timonel.recording.frames import Frames, concatenate
+from timonel.recording.tables import CHUNK, Tables, decode_file, keep_memory
+
+SIX = (127250, 127251, 129025, 129026, 130306, 128259)
+FEW = 50_000  # lines for what takes microseconds each
+PCAP = np.dtype(
+    [("s", "<u4"), ("us", "<u4"), ("captured", "<u4"), ("size", "<u4"), ("id", ">u4"), ("frame", "V4"), ("data", "V8")]
+)
+
+
+class Work(msgspec.Struct, frozen=True):
+    """Something measured: how many frames or sentences it goes over, and which of the others is beside it."""
+
+    name: str
+    count: int
+    run: Callable[[], object]
+    peer: str = ""
+
+
+def inputs(folder: Path) -> None:
+    """The recordings to a million frames each, in `folder`."""
+    if (folder / "boat.pcap").exists():
+        return
+    script, samples = SHARED / "tools" / "peers" / "gen_inputs.py", ROOT / "canboat_canboat" / "samples"
+    signalk = ROOT / "SignalK_signalk-server" / "samples"
+    options = ["--canboat-samples", samples, "--signalk-samples", signalk, "--out", folder]
+    subprocess.run([sys.executable, script, *options], check=True, stdout=subprocess.DEVNULL)
+    frames = concatenate(open_frames(folder / "boat.candump"))
+    packets = np.zeros(len(frames), PCAP)
+    packets["s"], packets["us"] = np.divmod(frames.stamp // 1000, 1_000_000)
+    packets["captured"] = packets["size"] = 16
+    packets["id"] = frames.identifier
+    packets["frame"] = frames.rows.view("V4").reshape(-1, 4)[:, 1]
+    packets["data"] = frames.rows.view("V8").reshape(-1, 2)[:, 1]
+    header = np.array([0xA1B2C3D4, 4 << 16 | 2, 0, 0, 65535, 227], "<u4")
+    (folder / "boat.pcap").write_bytes(header.tobytes() + packets.tobytes())
+
+
+def decoded(frames: Frames, pgns: tuple[int, ...] | None = None) -> int:
+    """Frames in memory to columns; how many messages."""
+    assembly, tables = Assembly(pgns), Tables()
+    return sum(
+        len(each.messages.row)
+        for start in range(0, len(frames), CHUNK)
+        for each in tables.receive(assembly.receive(frames[start : start + CHUNK]))
+    )
+
+
+def from_file(path: Path) -> int:
+    return sum(len(each.messages.row) for chunk in decode_file(path) for each in chunk)
+
+
+def objects(lines: list[str]) -> int:
+    """Lines to typed objects, those of single frames."""
+    read = Candump(lines[:1]).read
+    count = 0
+    for line in lines:
+        frame = read(line)
+        if frame is not None:
+            definition = finder(split(frame.identifier).pgn)(frame.data)
+            if definition is not None:
+                definition.decode(frame.data)
+                count += 1
+    return count
+
+
+def streamed(frames: list[tuple[int, bytes, float]]) -> int:
+    """Frames of fast packets to typed objects."""
+    receive = Reassembler().receive
+    count = 0
+    for identifier, data, now in frames:
+        payload = receive(identifier, data, now)
+        if payload is not None:
+            definition = finder(split(identifier).pgn)(payload)
+            if definition is not None:
+                definition.decode(payload)
+                count += 1
+    return count
+
+
+def nmea2000(lines: list[str]) -> None:
+    decode = NMEA2000Decoder(bound_format=N2KFormat.CANDUMP3).decode
+    for line in lines:
+        decode(line)
+
+
+def sentences(path: Path) -> int:
+    return sum(len(each.line) for each in open_sentences(path))
+
+
+def pynmea2_all(lines: list[str]) -> None:
+    for line in lines:
+        try:
+            pynmea2.parse(line, check=True)
+        except pynmea2.ParseError:
+            continue
+
+
+def first(path: Path, wanted: Callable[[int], bool] = lambda pgn: True) -> list[str]:
+    """The first lines of PGNs that are wanted."""
+    with path.open() as lines:
+        chosen = (line.rstrip() for line in lines if wanted(split(int(line.split()[2][:8], 16)).pgn))
+        return list(islice(chosen, FEW))
+
+
+def gathered(frames: Frames) -> Callable[[], object]:
+    """What NumPy takes to bring the rows of all PGNs together, and nothing else."""
+    order = np.argsort((frames.identifier >> 8).astype(np.uint16), kind="stable")
+    rows = frames.rows.view("<c16")
+    return lambda: rows.take(order)
+
+
+def works(folder: Path) -> Iterator[Work]:
+    candump, pcap, plaka = folder / "boat.candump", folder / "boat.pcap", folder / "plaka.nmea"
+    frames = concatenate(open_frames(pcap))
+    count = len(frames)
+    lines, single = first(candump), first(candump, lambda pgn: not is_fast(pgn))
+    fast = [frame for frame in frames[: 3 * FEW].logframes() if is_fast(split(frame.identifier).pgn)]
+    stream = [(frame.identifier, frame.data, frame.stamp or 0.0) for frame in fast]
+    with plaka.open() as text:
+        spoken = [line.strip() for line in islice(text, FEW)]
+    said = sum(1 for line in plaka.read_bytes().split(b"\n") if line)
+    yield Work("candump text to columns of all PGNs", count, lambda: from_file(candump), "nmea2000, a line")
+    yield Work("pcap to columns of all PGNs", count, lambda: from_file(pcap), "nmea2000, a line")
+    yield Work("frames in memory to columns of all PGNs", count, lambda: decoded(frames), "nmea2000, a line")
+    yield Work("frames scanned for six PGNs, to columns", count, lambda: decoded(frames, SIX), "nmea2000, a line")
+    yield Work("candump text to frames", count, lambda: sum(map(len, open_frames(candump))))
+    yield Work("pcap to frames", count, lambda: sum(map(len, open_frames(pcap))))
+    yield Work("frames to payloads by PGN", count, lambda: assembled(frames))
+    yield Work("NumPy's own gather of the rows", count, gathered(frames))
+    yield Work("NMEA 0183 text to columns", said, lambda: sentences(plaka), "pynmea2, a line")
+    yield Work("one line to a typed object, single frames", len(single), lambda: objects(single), "nmea2000, a line")
+    yield Work("one frame of fast packets, to typed objects", len(stream), lambda: streamed(stream), "nmea2000, a line")
+    yield Work("nmea2000, a line", len(lines), lambda: nmea2000(lines))
+    yield Work("pynmea2, a line", len(spoken), lambda: pynmea2_all(spoken))
+
+
+def assembled(frames: Frames) -> None:
+    assembly = Assembly()
+    for start in range(0, len(frames), CHUNK):
+        assembly.receive(frames[start : start + CHUNK])
+
+
+def measure(folder: Path, passes: int) -> dict[str, dict[str, float]]:
+    """Millions a second, ns each, and how many times as fast as the one beside it."""
+    keep_memory()
+    inputs(folder)
+    all_works = list(works(folder))
+    best = dict.fromkeys((work.name for work in all_works), float("inf"))
+    for _ in range(passes):
+        for work in all_works:
+            start = time.process_time()
+            work.run()
+            best[work.name] = min(best[work.name], (time.process_time() - start) / work.count)
+    rows = {work.name: {"rate": 1e-6 / best[work.name], "ns": best[work.name] * 1e9} for work in all_works}
+    for work in all_works:
+        if work.peer:
+            rows[work.name]["ratio"] = best[work.peer] / best[work.name]
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--inputs", type=Path)
+    parser.add_argument("--passes", type=int, default=7)
+    parser.add_argument("--json", action="store_true")
+    chosen = parser.parse_args()
+    logging.disable(logging.CRITICAL)
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    with tempfile.TemporaryDirectory() as temporary:
+        rows = measure(chosen.inputs or Path(temporary), chosen.passes)
+    columns = {"million/s": ("rate", ".2f"), "ns": ("ns", ",.0f"), "times the other": ("ratio", ".1f")}
+    print(json.dumps(rows, indent=1) if chosen.json else table(rows, columns))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,239 @@
+"""Frames in, messages out, in columns: grouped by PGN, fast packets put together. Needs the extra `columns`.
+
+```python
+assembly = Assembly()
+for frames in chunks:
+    for group in assembly.receive(frames):
+        group.pgn, group.stamp, group.source, group.payloads
+```
+However a recording is cut into chunks, the messages and the counters are those of the live path, which takes one
+frame after the other. For fast packets, a frame without a time comes `PACE` after the one before it.
+"""
+
+from collections.abc import Collection
+from functools import cache
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from timonel.nmea2000.fastpacket import FastPacketCounters
+from timonel.nmea2000.identifier import GLOBAL
+from timonel.nmea2000.registry import is_fast
+from timonel.recording.fast_packets import Arrivals, FastPackets
+from timonel.recording.frames import EXTENDED, NO_STAMP, WHOLE, Bytes, Frames, Identifiers, Rows, Stamps
+from timonel.recording.part import STANDARD, Lengths, Part, Payloads, merged, stretches
+
+PACE = 1_000_000
+"""ns from frame to frame where a recording has no times."""
+
+BLOCK = 1 << 18
+"""Frames at a time, so that what they are gathered from stays in the processor's cache."""
+
+_PDU1 = 0xF000
+_WHOLE = WHOLE << 40  # in the first word of a row
+_SIXTEEN = np.dtype("<c16")  # any type of as many bytes, which NumPy moves in one piece
+
+Octets = npt.NDArray[np.uint8]
+Ints = npt.NDArray[np.intp]
+Words = npt.NDArray[np.uint64]
+Codes = npt.NDArray[np.uint16]
+
+
+class Group(msgspec.Struct, frozen=True, eq=False, gc=False):
+    """Messages of one PGN, or of one standard identifier (`frame`), in the order in which they were complete.
+
+    `row` int64[n] is the place in the recording, from 0, of the frame that completed each message; `stamp` int64[n]
+    its time in unix ns (NO_STAMP: none), `identifier` uint32[n] its identifier. Of `payloads` uint8[n, width], the
+    bytes behind a message's length mean nothing.
+    """
+
+    pgn: int | None
+    frame: int | None
+    row: npt.NDArray[np.int64]
+    stamp: Stamps
+    identifier: Identifiers
+    payloads: Payloads
+    lengths: Lengths
+
+    @property
+    def source(self) -> Octets:
+        """uint8[n]; without meaning for standard identifiers, as destination and priority."""
+        return self.identifier.astype(np.uint8)
+
+    @property
+    def destination(self) -> Octets:
+        """uint8[n], 255 where the PGN has none."""
+        if self.pgn is None or self.pgn & 0xFF00 >= _PDU1:
+            return np.full(len(self.identifier), GLOBAL, np.uint8)
+        return (self.identifier >> 8).astype(np.uint8)
+
+    @property
+    def priority(self) -> Octets:
+        """uint8[n], 0 is the most urgent."""
+        return (self.identifier >> 26).astype(np.uint8) & np.uint8(7)
+
+
+class Assembly:
+    """Puts the messages of a recording together: all, or those of some PGNs and of some standard identifiers.
+
+    `counters` are of the fast packets among them, of which at most `max_slots` are on their way in at a time.
+    """
+
+    def __init__(
+        self,
+        pgns: Collection[int] | None = None,
+        standard: Collection[int] | None = None,
+        max_slots: int = 256,
+    ) -> None:
+        self.frames = 0
+        everything = pgns is None and standard is None
+        self._kinds = _all() if everything else _kinds(frozenset(pgns or ()), frozenset(standard or ()))
+        self._fast_packets = FastPackets(max_slots)
+        self._now = 0
+
+    @property
+    def counters(self) -> FastPacketCounters:
+        return self._fast_packets.counters
+
+    def receive(self, frames: Frames) -> list[Group]:
+        """The messages that these frames complete, by PGN, then by standard identifier."""
+        parts: dict[int, list[Part]] = {}
+        for start in range(0, len(frames), BLOCK):
+            for channel, some in _by_channel(self._block(frames[start : start + BLOCK], start)).items():
+                parts.setdefault(channel, []).append(merged(some))
+        groups = [self._group(merged(parts[channel]), frames.stamp) for channel in sorted(parts)]
+        self.frames += len(frames)
+        return groups
+
+    def _block(self, frames: Frames, start: int) -> list[Part]:
+        words = frames.rows.view("<u8").reshape(-1, 2)
+        head = words[:, 0].copy()
+        codes = self._kinds.codes.take(_places(head))
+        parts = []
+        if np.bitwise_or.reduce(head) & _WHOLE:
+            whole = (head & _WHOLE != 0) & (codes != 0)
+            parts += _whole(frames, np.flatnonzero(whole), codes, self._kinds.channels, start)
+            codes[whole] = 0
+        fast = np.flatnonzero(codes >= self._kinds.fast)
+        parts += self._fast_packets.receive(_arrivals(words, head, self._times(frames.stamp), fast, start))
+        single = np.flatnonzero(codes - np.uint16(1) < self._kinds.fast - 1)
+        parts += _single(frames.rows, single, codes, self._kinds.channels, start)
+        return parts
+
+    def _times(self, stamp: Stamps) -> Stamps:
+        """The stamps, and times for what has none."""
+        known = stamp != NO_STAMP
+        now = stamp
+        if not known.all():
+            place = np.arange(len(stamp))
+            last = np.maximum.accumulate(np.where(known, place, -1))
+            now = np.where(last < 0, self._now, stamp[last]) + (place - last) * PACE
+        if len(now):
+            self._now = int(now[-1])
+        return now
+
+    def _group(self, part: Part, stamp: Stamps) -> Group:
+        standard = part.channel >= STANDARD
+        pgn, frame = (None, part.channel - STANDARD) if standard else (part.channel, None)
+        row = part.row + self.frames
+        return Group(pgn, frame, row, stamp.take(part.row), part.identifier, part.payloads, part.lengths)
+
+
+def _by_channel(parts: list[Part]) -> dict[int, list[Part]]:
+    found: dict[int, list[Part]] = {}
+    for part in parts:
+        found.setdefault(part.channel, []).append(part)
+    return found
+
+
+class _Kinds(msgspec.Struct, frozen=True):
+    """What becomes of a frame: a code for each place (see `_places`), 0 for what is not wanted.
+
+    `channels` tells what a code stands for; codes from `fast` on are fast packets.
+    """
+
+    codes: Codes
+    channels: list[int]
+    fast: int
+
+
+@cache
+def _all() -> _Kinds:
+    """All PGNs and standard identifiers there can be."""
+    pages = range(0, STANDARD, 0x100)
+    pgns = [page + extension for page in pages for extension in range(0x100 if page & 0xFF00 >= _PDU1 else 1)]
+    return _kinds(frozenset(pgns), frozenset(range(0x800)))
+
+
+def _kinds(pgns: frozenset[int], standard: frozenset[int]) -> _Kinds:
+    singles = sorted(pgn for pgn in pgns if not is_fast(pgn)) + sorted(STANDARD + number for number in standard)
+    channels = [-1, *singles, *sorted(filter(is_fast, pgns))]
+    codes = np.zeros(STANDARD + 0x800, np.uint16)
+    for code, channel in enumerate(channels[1:], 1):
+        codes[channel : channel + _width(channel)] = code
+    return _Kinds(codes, channels, 1 + len(singles))
+
+
+def _width(channel: int) -> int:
+    """Of a PGN with a destination, all of them are one channel."""
+    return 0x100 if channel < STANDARD and channel & 0xFF00 < _PDU1 else 1
+
+
+def _places(head: Words) -> Ints:
+    """Where in the codes to look up a frame: its PGN with the destination, or `STANDARD` + identifier."""
+    places = head >> 8 & STANDARD - 1
+    if not np.bitwise_and.reduce(head) & EXTENDED:
+        places = np.where(head & EXTENDED, places, STANDARD | head & 0x7FF)
+    return places.view(np.intp)
+
+
+def _arrivals(words: Words, head: Words, now: Stamps, row: Ints, start: int) -> Arrivals:
+    found = head.take(row)
+    identifier = found.astype(np.uint32) & np.uint32(EXTENDED - 1)
+    return Arrivals(
+        row + start, now.take(row), identifier, (found >> 32).astype(np.uint8), words[:, 1].copy().take(row)
+    )
+
+
+def _single(rows: Rows, row: Ints, codes: Codes, channels: list[int], first: int) -> list[Part]:
+    """Frames that are messages."""
+    codes = codes.take(row)
+    order = np.argsort(codes, kind="stable")
+    # First those that are wanted, then in their order: so little is gathered that it is in the processor's cache.
+    sorted_rows = rows.view(_SIXTEEN).take(row).take(order).view(rows.dtype)
+    row, codes = row.take(order) + first, codes.take(order)
+    identifier = sorted_rows["identifier"] & np.uint32(EXTENDED - 1)
+    length = sorted_rows["length"].astype(np.intp)
+    data = sorted_rows["data"]
+    return [
+        Part(channels[codes[start]], row[start:end], identifier[start:end], data[start:end], length[start:end])
+        for start, end in stretches(codes)
+    ]
+
+
+def _whole(frames: Frames, row: Ints, codes: Codes, channels: list[int], first: int) -> list[Part]:
+    """Messages that the recorder had put together."""
+    order = row[np.argsort(codes[row], kind="stable")]
+    parts = []
+    for start, end in stretches(codes[order]):
+        same = order[start:end]
+        identifier = frames.identifier[same] & np.uint32(EXTENDED - 1)
+        length = frames.length[same].astype(np.intp)
+        payloads = _spilled(frames.data[same], length, frames.spill)
+        parts.append(Part(channels[codes[same[0]]], same + first, identifier, payloads, length))
+    return parts
+
+
+def _spilled(data: Bytes, length: Ints, spill: Bytes) -> Payloads:
+    """The payloads of messages, the long ones of which stand in `spill`."""
+    width = max(8, int(length.max()))
+    payloads = np.zeros((len(data), width), np.uint8)
+    payloads[:, :8] = data
+    long = np.flatnonzero(length > 8)
+    if len(long):
+        place = np.arange(width)
+        there = place < length[long, None]
+        start = data[long].view("<u8").astype(np.intp)
+        payloads[long] = np.where(there, spill.take(np.where(there, start + place, 0)), 0)
+    return payloads

@@ -1,0 +1,246 @@
+"""NMEA 0183 logs to columns: one table a sentence type, millions of sentences a second. Needs the extra `columns`.
+
+```python
+log = open_sentences("log.nmea")
+for table in log:
+    table.formatter, table.line, table.columns["heading_deg"].values
+```
+A line that is not a plain sentence (`sentence_lines`), as one with a time before it, is left to the reader of single
+lines, in its turn: what is read, and what is refused, is the same.
+"""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import cast
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from timonel.errors import RecordingError
+from timonel.nmea0183.registry import SENTENCES
+from timonel.nmea0183.sentence import Sentence
+from timonel.recording.decimals import Places, Text
+from timonel.recording.formats import Lines, Reader, open_any
+from timonel.recording.frames import NO_STAMP, Stamps, nanoseconds
+from timonel.recording.lines import LogSentence, Record, Unreadable
+from timonel.recording.part import stretches
+from timonel.recording.sentence_columns import Column, Wires, count_of_wires, typed
+from timonel.recording.sentence_lines import LogLines, lines_of, plain
+
+PORTION = 1 << 21
+"""Bytes at a time: enough that what is done once a table costs less than what is done once a sentence."""
+
+_HASHES = 1 << 15
+
+Numbers = npt.NDArray[np.int64]
+Words = npt.NDArray[np.uint64]
+Codes = npt.NDArray[np.uint16]
+
+
+class SentenceTable(msgspec.Struct, frozen=True, eq=False, gc=False):
+    """Sentences of one formatter, in the order of the log.
+
+    `kind` is None for a formatter that is not declared, and there are no columns then. `line` int64[n] counts the
+    lines from 1, `stamp` int64[n] is unix ns (NO_STAMP: none).
+    """
+
+    formatter: str
+    kind: type[Sentence] | None
+    line: Numbers
+    stamp: Stamps
+    columns: dict[str, Column]
+    text: Text
+    begin: Places
+    end: Places
+
+    @property
+    def talker(self) -> npt.NDArray[np.bytes_]:
+        """S2[n]; of a proprietary sentence, `P` and what stands behind it."""
+        letters = np.stack((self.text.take(self.begin + 1), self.text.take(self.begin + 2)), axis=1)
+        return letters.view("S2")[:, 0]
+
+    @property
+    def sentences(self) -> list[bytes]:
+        """Each from `$` or `!` to its check sum."""
+        return _cut(self.text, self.begin, self.end)
+
+
+class SentenceReader:
+    """The tables of a log, portion by portion: iterate over it once; at its end the file is closed.
+
+    `log` tells name, format and size, how many sentences were read, and what could not be. `malformed` counts
+    sentences with a right check sum, but a field that nobody understands; they are in no table.
+    """
+
+    def __init__(self, log: Reader[Record], size: int = PORTION) -> None:
+        self.log = log
+        self.malformed = 0
+        self._size = size
+        self._line = 0
+        self._formatters = _Formatters()
+
+    def __iter__(self) -> Iterator[SentenceTable]:
+        with self.log:
+            rest = b""
+            for portion in self._portions():
+                lines, feed, rest = (rest + portion).rpartition(b"\n")
+                yield from self._tables(lines + feed)
+            if rest:
+                yield from self._tables(b"", [(self._line + 1, one) for one in self._single(self._line, rest, True)])
+            for damage in self.log.damage():
+                self.log.refuse(damage)
+
+    def _portions(self) -> Iterator[bytes]:
+        parts: list[bytes] = []
+        size = 0
+        for part in self.log.portions():
+            parts.append(part)
+            size += len(part)
+            if size >= self._size:
+                yield b"".join(parts)
+                parts, size = [], 0
+        yield b"".join(parts)
+
+    def _tables(self, text: bytes, found: Iterable[tuple[int, LogSentence]] = ()) -> Iterator[SentenceTable]:
+        lines = lines_of(text)
+        fine = plain(lines)
+        single = list(found)
+        for place in np.flatnonzero(~fine).tolist():
+            line = lines.text[lines.begin[place] : lines.behind[place]].tobytes()
+            before = self._line + place
+            single += [(before + 1, one) for one in self._single(before, line, False)]
+        which: Places = np.flatnonzero(fine)
+        number: Numbers = which + (self._line + 1)
+        stamp: Stamps = np.full(len(which), NO_STAMP)
+        self._line += len(fine)
+        if single:
+            others = lines_of(b"".join(one.line + b"\n" for _, one in single))
+            which = np.concatenate((which, np.arange(len(single)) + len(fine)))
+            lines = lines.joined(others)
+            number = np.concatenate((number, [place for place, _ in single]))
+            stamp = np.concatenate((stamp, [nanoseconds(one.stamp) for _, one in single]))
+            order = np.argsort(number, kind="stable")
+            which, number, stamp = which[order], number[order], stamp[order]
+        self.log.frames += len(which)
+        yield from self._by_formatter(lines, which, number, stamp)
+
+    def _single(self, before: int, text: bytes, last: bool) -> Iterator[LogSentence]:
+        reader = cast(Lines, self.log.stream)
+        reader.number = before
+        found = list(reader.receive(text))
+        for one in [*found, *reader.finish()] if last else found:
+            if isinstance(one, Unreadable):
+                self.log.refuse(one)
+            elif isinstance(one, LogSentence):
+                yield one
+
+    def _by_formatter(self, lines: LogLines, which: Places, number: Numbers, stamp: Stamps) -> Iterator[SentenceTable]:
+        codes = self._formatters.codes(lines, which)
+        order = np.argsort(codes, kind="stable")
+        codes = codes[order]
+        for start, end in stretches(codes):
+            rows = order[start:end]
+            table = self._table(int(codes[start]), lines, which[rows], number[rows], stamp[rows])
+            if len(table.line):
+                yield table
+
+    def _table(self, code: int, lines: LogLines, which: Places, number: Numbers, stamp: Stamps) -> SentenceTable:
+        formatter, kind = self._formatters.names[code], self._formatters.kinds[code]
+        begin, end = lines.begin[which], lines.end[which]
+        if kind is None:
+            return SentenceTable(formatter, None, number, stamp, {}, lines.text, begin, end)
+        columns, malformed = typed(
+            kind, _wires(kind, lines, which), lambda rows: _cut(lines.text, begin[rows], end[rows])
+        )
+        if malformed.any():
+            self.malformed += int(np.count_nonzero(malformed))
+            kept = np.flatnonzero(~malformed)
+            columns = {name: column.some(kept) for name, column in columns.items()}
+            number, stamp, begin, end = number[kept], stamp[kept], begin[kept], end[kept]
+        return SentenceTable(formatter, kind, number, stamp, columns, lines.text, begin, end)
+
+
+def open_sentences(path: str | Path, strict: bool = False, size: int = PORTION) -> SentenceReader:
+    """Open an NMEA 0183 log; `-` is standard input, `size` in bytes. Raises RecordingError as `open_any` does, and for
+    a recording of anything else."""
+    log = open_any(path, strict)
+    if log.kind != "sentences":
+        log.close()
+        raise RecordingError(f"{log.name}: {log.kind} ({log.format}), not NMEA 0183 sentences")
+    return SentenceReader(log, size)
+
+
+def _wires(kind: type[Sentence], lines: LogLines, which: Places) -> Wires:
+    """Where the fields of sentences are."""
+    wire = np.arange(count_of_wires(kind) + 1)[:, None]
+    commas = lines.commas[which]
+    marks = lines.marks.take(lines.first[which] + wire, mode="clip")
+    begin, end = marks[:-1] + 1, marks[1:]
+    last, most = lines.end[which] - 3, int(commas.max())
+    if commas.min() == most:
+        end[most - 1 : most] = last
+        begin[most:], end[most:] = 0, 0
+        return Wires(lines.text, begin, end)
+    end = np.where(wire[:-1] == commas - 1, last, end)
+    there = wire[:-1] < commas
+    return Wires(lines.text, begin * there, end * there)
+
+
+def _cut(text: Text, begin: Places, end: Places) -> list[bytes]:
+    return [text[start:stop].tobytes() for start, stop in zip(begin.tolist(), end.tolist(), strict=True)]
+
+
+class _Formatters:
+    """Numbers for the formatters that occur, looked up by their letters."""
+
+    def __init__(self) -> None:
+        self.names = [""]
+        self.kinds: list[type[Sentence] | None] = [None]
+        self._letters = np.zeros(1, np.uint64)
+        self._by_hash = np.zeros(_HASHES, np.uint16)
+        self._proprietary: dict[bytes, int] = {}
+
+    def codes(self, lines: LogLines, which: Places) -> Codes:
+        """uint16[n]: the number of each sentence's formatter."""
+        head: Words = np.ndarray(len(lines.text) - 7, "<u8", lines.text, 0, (1,))[lines.begin[which]]
+        letters = head >> np.uint64(24) & np.uint64(0xFFFFFF)
+        usual = (head >> 48 & 0xFF == ord(",")) & (head >> 8 & 0xFF != ord("P"))
+        codes = self._by_hash.take(_hash(letters))
+        new = np.flatnonzero(usual & (self._letters.take(codes) != letters))
+        while len(new):
+            same = letters[new] == letters[new[0]]
+            codes[new[same]] = self._new(letters[new[0]])
+            new = new[~same]
+        for row in np.flatnonzero(~usual).tolist():
+            codes[row] = self._address(lines, int(which[row]))
+        return codes
+
+    def _new(self, letters: np.uint64) -> int:
+        """The number of three letters, which is looked up next time unless others have the same hash."""
+        known = np.flatnonzero(self._letters == letters)
+        if len(known):
+            return int(known[0])
+        formatter = int(letters).to_bytes(3, "little")
+        code = self._add(formatter, SENTENCES.get(formatter), letters)
+        self._by_hash[_hash(np.array(letters))] = code
+        return code
+
+    def _address(self, lines: LogLines, line: int) -> int:
+        """The number of an address that is not two letters of a talker and three of a formatter."""
+        begin, end = int(lines.begin[line]) + 1, int(lines.end[line]) - 3
+        address = lines.text[begin:end].tobytes().partition(b",")[0]
+        if address not in self._proprietary:
+            self._proprietary[address] = self._add(address, None, np.uint64(0))
+        return self._proprietary[address]
+
+    def _add(self, name: bytes, kind: type[Sentence] | None, letters: np.uint64) -> int:
+        self.names.append(name.decode("latin-1"))
+        self.kinds.append(kind)
+        self._letters = np.append(self._letters, letters)
+        return len(self.names) - 1
+
+
+def _hash(letters: Words) -> Places:
+    place = (letters & 31) << 10 | (letters >> 8 & 31) << 5 | letters >> 16 & 31
+    return place.astype(np.intp)

@@ -1,0 +1,131 @@
+"""Frames by the million: SocketCAN's 16 bytes a frame in one array, and a time beside each. Needs the extra `columns`.
+
+    identifier  uint32    bit 31 is set in an extended identifier (29 bits), clear in a standard one (11 bits)
+    length      uint8     bytes of data
+    flags       uint8     bit 0: a whole message, which its recorder had put together, or a frame that is longer than 8
+    data        uint8[8]  zeros behind the data; of a message longer than 8 bytes, where in `spill` it begins
+
+Source: Linux `struct can_frame`, whose padding holds the flags.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from timonel.recording.lines import LogFrame
+
+FRAME = np.dtype([("identifier", "<u4"), ("length", "u1"), ("flags", "u1"), ("", "V2"), ("data", "u1", (8,))])
+EXTENDED = 0x80000000
+WHOLE = 1
+NO_STAMP = -(1 << 63)
+"""The stamp of a frame whose recording has no time for it."""
+CHUNK = 1 << 18
+"""Frames in a chunk: few enough to stay in bounded memory, enough that what is done once a chunk costs nothing."""
+
+_FARTHEST = 9.2e9  # s: what int64 nanoseconds hold
+
+Rows = npt.NDArray[np.void]
+Stamps = npt.NDArray[np.int64]
+Bytes = npt.NDArray[np.uint8]
+Identifiers = npt.NDArray[np.uint32]
+NO_BYTES: Bytes = np.empty(0, np.uint8)
+
+
+class Frames(msgspec.Struct, frozen=True, eq=False, gc=False):
+    """`rows` FRAME[n] and `stamp` int64[n], unix ns; `spill` uint8 has the messages that are longer than a frame."""
+
+    rows: Rows
+    stamp: Stamps
+    spill: Bytes = NO_BYTES
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __getitem__(self, which: slice | npt.NDArray[Any]) -> "Frames":
+        return Frames(self.rows[which], self.stamp[which], self.spill)
+
+    @property
+    def identifier(self) -> Identifiers:
+        return self.rows["identifier"]
+
+    @property
+    def length(self) -> npt.NDArray[np.uint8]:
+        return self.rows["length"]
+
+    @property
+    def data(self) -> Bytes:
+        """uint8[n, 8]; of a message longer than that, its place in `spill`."""
+        return self.rows["data"]
+
+    @property
+    def whole(self) -> npt.NDArray[np.bool_]:
+        whole: npt.NDArray[np.bool_] = self.rows["flags"] & WHOLE != 0
+        return whole
+
+    def payload(self, row: int) -> bytes:
+        """The data of one frame or message."""
+        length, data = int(self.length[row]), bytes(self.data[row])
+        if length <= 8:
+            return data[:length]
+        start = int.from_bytes(data, "little")
+        return bytes(self.spill[start : start + length])
+
+    def logframes(self) -> Iterator[LogFrame]:
+        """One by one, as the readers of lines give them."""
+        fields = ("identifier", "flags")
+        identifiers, flags = (self.rows[field].tolist() for field in fields)
+        for row, (identifier, flag, stamp) in enumerate(zip(identifiers, flags, self.stamp.tolist(), strict=True)):
+            time = None if stamp == NO_STAMP else stamp / 1e9
+            extended = identifier >= EXTENDED
+            yield LogFrame(time, identifier & 0x1FFFFFFF, self.payload(row), extended, flag & WHOLE != 0)
+
+
+def empty(size: int) -> Frames:
+    """Room for `size` frames, not filled in."""
+    return Frames(np.empty(size, FRAME), np.empty(size, np.int64))
+
+
+def from_logframes(frames: Sequence[LogFrame]) -> Frames:
+    """The frames in an array. Stamps are rounded to the microsecond: a float of unix seconds has no more."""
+    rows = np.zeros(len(frames), FRAME)
+    rows["identifier"] = [frame.identifier | EXTENDED if frame.extended else frame.identifier for frame in frames]
+    rows["length"] = [len(frame.data) for frame in frames]
+    rows["flags"] = [WHOLE if frame.whole or len(frame.data) > 8 else 0 for frame in frames]
+    spill = bytearray()
+    cells = []
+    for frame in frames:
+        if len(frame.data) > 8:
+            cells.append(len(spill).to_bytes(8, "little"))
+            spill += frame.data
+        else:
+            cells.append(frame.data.ljust(8, b"\0"))
+    rows["data"] = np.frombuffer(b"".join(cells), np.uint8).reshape(-1, 8)
+    stamp = np.array([nanoseconds(frame.stamp) for frame in frames], np.int64)
+    return Frames(rows, stamp, np.frombuffer(bytes(spill), np.uint8))
+
+
+def nanoseconds(stamp: float | None) -> int:
+    """Unix seconds as whole microseconds, in ns; NO_STAMP for None and for what int64 does not hold."""
+    if stamp is None or not abs(stamp) < _FARTHEST:
+        return NO_STAMP
+    return round(stamp * 1e6) * 1000
+
+
+def concatenate(parts: Iterable[Frames]) -> Frames:
+    """All of them, in order."""
+    parts = list(parts)
+    if len(parts) == 1:
+        return parts[0]
+    rows = np.concatenate([part.rows for part in parts] or [np.empty(0, FRAME)])
+    at = offset = 0
+    for part in parts:
+        long = at + np.flatnonzero(part.length > 8)
+        if offset and len(long):
+            rows["data"].view("<u8")[long] += np.uint64(offset)
+        at += len(part)
+        offset += len(part.spill)
+    stamp = np.concatenate([part.stamp for part in parts] or [np.empty(0, np.int64)])
+    return Frames(rows, stamp, np.concatenate([part.spill for part in parts] or [NO_BYTES]))

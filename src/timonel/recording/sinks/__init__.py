@@ -1,0 +1,1 @@
+"""Where decoded recordings go: JSON lines, CSV, Arrow, Parquet."""

@@ -1,0 +1,27 @@
+"""A browser for each file of tests, and a vehicle to look at."""
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, sync_playwright
+
+from tests.browser.chromium import launch
+from tests.browser.demo import Demo
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    """Debian's Chromium."""
+    with sync_playwright() as playwright:
+        browser = launch(playwright)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def boat(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
+    """`timonel demo boat`, four times as fast, so that a turn does not take half a minute."""
+    demo = Demo(tmp_path_factory.mktemp("boat"), "boat", "--speed", "4")
+    demo.start()
+    yield demo
+    demo.stop()
