@@ -51,7 +51,7 @@ def test_a_line_is_an_object_with_canboats_names_in_their_order():
     assert all(list(json.loads(line)) == head for line in lines)
     heading = next(line for line in lines if b'"vesselHeading"' in line)
     assert heading == (
-        b'{"time": 1598104356.968000, "priority": 2, "source": 23, "destination": 255, "pgn": 127250, '
-        b'"name": "vesselHeading", "data": "0084E9FF7FFF7FFD", '
-        b'"fields": {"sid": 0, "heading": 5.978, "reference": "Magnetic"}}'
+        b'{"time": 1598104356.950000, "priority": 2, "source": 23, "destination": 255, "pgn": 127250, '
+        b'"name": "vesselHeading", "data": "0086E9FF7FFF7FFD", '
+        b'"fields": {"sid": 0, "heading": 5.9782, "reference": "Magnetic"}}'
     )

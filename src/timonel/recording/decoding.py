@@ -54,6 +54,9 @@ class Pass:
         self._summariser = Summariser(self.log.name, protocol or Protocol())
 
     def __iter__(self) -> Iterator[Chunk]:
+        return self._chunks() if self.log.size is None else _ahead(self._chunks())
+
+    def _chunks(self) -> Iterator[Chunk]:
         for frames in self._frames:
             first = self._assembly.frames
             groups = self._assembly.receive(frames)
@@ -68,6 +71,20 @@ class Pass:
     def day(self, date: int | None) -> int | None:
         """ns at which the recording's times begin: 0 if they have dates, else that of `date`, None without one."""
         return 0 if self.log.dated else date
+
+
+def _ahead(chunks: Iterator[Chunk]) -> Iterator[Chunk]:
+    """The next chunk is made while the one before is written."""
+    for first in chunks:
+        yield first
+        break
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(1) as thread:
+        coming = thread.submit(next, chunks, None)
+        while (chunk := coming.result()) is not None:
+            coming = thread.submit(next, chunks, None)
+            yield chunk
 
 
 def _first_some(reader: FrameReader) -> Iterator[Frames]:

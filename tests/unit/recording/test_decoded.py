@@ -14,8 +14,8 @@ def test_messages_have_names_fields_and_values():
     with timonel.open_recording(recording(f"{SAMPLES}/susteranna2020.raw")) as messages:
         heading = next(message for message in messages if message.name == "vesselHeading")
     assert (heading.pgn, heading.source, heading.time) == (127250, 23, 1598104356.95)
-    assert heading.fields == {"sid": 0, "heading": 5.978, "reference": "Magnetic"}
-    assert heading.value.heading == 5.978
+    assert heading.fields == {"sid": 0, "heading": 5.9782, "reference": "Magnetic"}
+    assert heading.value.heading == 5.9782
     assert heading.value.deviation is None
 
 

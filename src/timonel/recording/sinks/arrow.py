@@ -8,7 +8,9 @@ Values are SI and null where not available; lookups are words, dictionary-encode
 resolution, description and source of a column are in its metadata. A rover's frames have no addresses.
 """
 
+from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -36,6 +38,9 @@ ROWS = 1 << 17
 
 HELD = 96 << 20
 """Bytes that wait to be written, of all tables."""
+
+AHEAD = 4
+"""Tables that may wait for the thread that writes them."""
 
 UNKNOWN = "unknown"
 _MIXED = {"DYNAMIC_FIELD_VALUE", "VARIABLE"}
@@ -289,9 +294,11 @@ class Files:
         self._waiting: dict[str, list[Any]] = {}
         self._held: dict[str, int] = {}
         self._rows: dict[str, int] = {}
+        self._thread = ThreadPoolExecutor(1)
+        self._writing: deque[Future[None]] = deque()
 
     def write(self, name: str, batch: Any) -> None:
-        """Keep a batch, and write what has become large."""
+        """Keep a batch, and write what has become large, while the next ones are made."""
         self._waiting.setdefault(name, []).append(batch)
         self._held[name] = self._held.get(name, 0) + batch.nbytes
         self._rows[name] = self._rows.get(name, 0) + batch.num_rows
@@ -301,14 +308,23 @@ class Files:
             self._flush(max(self._held, key=self._held.__getitem__))
 
     def close(self) -> None:
-        for name in list(self._waiting):
-            self._flush(name)
+        """Write the rest."""
+        with self._thread:
+            for name in list(self._waiting):
+                self._flush(name)
+            while self._writing:
+                self._writing.popleft().result()
         for writer in self._writers.values():
             writer.close()
 
     def _flush(self, name: str) -> None:
         del self._held[name], self._rows[name]
-        table = joined(self._waiting.pop(name))
+        if len(self._writing) == AHEAD:
+            self._writing.popleft().result()
+        self._writing.append(self._thread.submit(self._put, name, self._waiting.pop(name)))
+
+    def _put(self, name: str, batches: list[Any]) -> None:
+        table = joined(batches)
         try:
             if name not in self._writers:
                 self._writers[name] = self._open(name, table.schema)
