@@ -4,6 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 VCAN ?= ../shared/tools/vcan_qemu.sh# runs a command where there is a vcan0
 NPM_DONE := node_modules/.package-lock.json
+# What fails is tried once more, alone: programs, browsers and deadlines of milliseconds share the cores with each other.
+PYTEST := $(BIN)/python -m pytest -m "not slow"
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
 .PHONY: help demo test test-all lint mutation docs bench lock vendor clean
@@ -22,7 +24,7 @@ demo: $(VENV)/run
 
 test: $(VENV)/dev lint
 	scripts/debian.sh gpsd gpsd-clients gcc libc6-dev chromium
-	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow"
+	$(PYTEST) -n auto --dist loadfile || $(PYTEST) --last-failed --last-failed-no-failures none
 
 test-all: test mutation
 	scripts/debian.sh qemu-system-x86 busybox-static cpio kmod

@@ -92,7 +92,10 @@ class Cockpit(Console):
     def take(self, station: str) -> Self:
         """Be a station, and in command."""
         self.be(station)
-        self.press("TAKECMD")
+        bar = self.page.locator(".command-bar")
+        expect(bar.locator("[data-verb=TAKECMD]").or_(bar.locator("[data-verb=RELCMD]"))).to_be_visible()
+        if bar.get_attribute("data-command") != "ours":  # it may be from before, for the 2 s that a driver may be away
+            self.press("TAKECMD")
         self.has(station)
         return self
 

@@ -2,7 +2,9 @@
 
 import re
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -73,12 +75,26 @@ def operator(browser: Browser, demo: Demo, rover: Rover) -> Iterator[Cockpit]:
     wait_until(lambda: rover.fastest < TURNING, "it stands")
 
 
+def turns(rover: Rover, take_hold: Callable[[], None], let_go: Callable[[], None]) -> None:
+    """Somebody takes hold, until the wheels turn fast; again if the page was held up for so long that it let go."""
+    for _ in range(5):
+        take_hold()
+        with suppress(AssertionError):
+            wait_until(lambda: rover.fastest > 60, "the wheels turn", 3.0)
+            return
+        let_go()
+    raise AssertionError("the wheels do not turn")
+
+
 def drive(cockpit: Cockpit, rover: Rover) -> None:
-    """Forward by gamepad, until the wheels turn fast; enabled anew if another page that was loaded took too long."""
-    if not rover.permitted:
-        cockpit.enable()
-    cockpit.hold(forward=1.0)
-    wait_until(lambda: rover.fastest > 60, "the wheels turn")
+    """Forward by gamepad; enabled anew if another page that was loaded held this one up."""
+
+    def take_hold() -> None:
+        if not rover.permitted:
+            cockpit.enable()
+        cockpit.hold(forward=1.0)
+
+    turns(rover, take_hold, lambda: cockpit.page.evaluate("testPad.set(0, 0, false)"))
 
 
 def rests(rover: Rover, within: float) -> None:
@@ -152,8 +168,7 @@ def test_a_gamepad_without_its_shoulder_button_drives_nothing(operator: Cockpit,
 
 
 def test_a_thumb_on_the_stick_drives_until_it_is_lifted(operator: Cockpit, rover: Rover) -> None:
-    operator.push()
-    wait_until(lambda: rover.fastest > 60, "the wheels turn")
+    turns(rover, operator.push, operator.page.mouse.up)
     operator.page.mouse.up()
     rests(rover, 0.1)
 
@@ -161,8 +176,7 @@ def test_a_thumb_on_the_stick_drives_until_it_is_lifted(operator: Cockpit, rover
 def test_keys_drive_while_they_are_held(operator: Cockpit, rover: Rover) -> None:
     keyboard = operator.page.keyboard
     for forward, turn in (("KeyW", "KeyA"), ("ArrowUp", "ArrowLeft")):
-        keyboard.down(forward)
-        wait_until(lambda: rover.fastest > 60, "the wheels turn")
+        turns(rover, partial(keyboard.down, forward), partial(keyboard.up, forward))
         keyboard.down(turn)
         wait_until(lambda: rover.told[0] < 0.1 < rover.told[1], "it turns to the left")
         keyboard.up(forward)
@@ -295,7 +309,7 @@ def test_any_station_stops_who_drives(operator: Cockpit, rover: Rover, browser: 
         other.be("Jetson")
         other.page.locator(".cockpit > .stop").click()
         rests(rover, 0.1)
-        assert not rover.permitted
+        wait_until(lambda: not rover.permitted, "it is stopped", 1.0)
 
 
 # Enabling -----------------------------------------------------------------------------------------------------
@@ -344,7 +358,7 @@ def test_who_is_not_in_command_neither_enables_nor_drives(
     with Cockpit(browser, demo.url) as other:
         other.be("Jetson")
         other.plug()
-        expect(other.page.locator(".slide")).to_have_attribute("data-state", "locked")
+        expect(other.page.locator(".slide")).not_to_have_attribute("data-state", "ready")
         other.page.evaluate("testPad.set(0, 0, true)")
         other.page.wait_for_timeout(100)
         other.page.evaluate("testPad.set(0, -1, true)")
@@ -372,8 +386,7 @@ def test_command_that_is_asked_for_and_given_stops_the_rover_and_the_other_may_d
         assert not rover.permitted
         expect(operator.page.locator(".slide")).to_have_attribute("data-state", "locked")
         other.enable()
-        other.push()
-        wait_until(lambda: rover.fastest > 60, "the other drives")
+        turns(rover, other.push, other.page.mouse.up)
         other.page.mouse.up()
         rests(rover, 0.1)
 
@@ -385,8 +398,7 @@ def test_of_two_windows_of_a_station_the_one_that_is_pushed_drives(
         second.be("Operator")
         if not rover.permitted:
             second.enable()
-        second.push()
-        wait_until(lambda: rover.fastest > 60, "the second window drives")
+        turns(rover, second.push, second.page.mouse.up)
         second.page.mouse.up()
         rests(rover, 0.1)
         drive(operator, rover)

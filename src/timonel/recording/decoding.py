@@ -14,11 +14,14 @@ from timonel.recording.formats import LogReader
 from timonel.recording.frames import Frames, from_logframes
 from timonel.recording.lines import LogFrame, Record, Unreadable
 from timonel.recording.summary import Summariser, Summary
-from timonel.recording.tables import CHUNK, keep_memory
+from timonel.recording.tables import keep_memory
 from timonel.recording.wanted import Wanted
 from timonel.vehicles.rover.protocol import Protocol
 
 EVERYTHING = Wanted()
+
+CHUNK = 160_000
+"""Frames at a time: with these, and what is made of them, a program stays below 200 MiB."""
 
 FIRST = 1 << 13
 """Frames of the first chunk, so that something comes out at once."""

@@ -3,12 +3,14 @@
 import csv
 import json
 import os
+import subprocess
+import sys
 
 import pytest
 from pyarrow import ipc, parquet
 
 from tests.recordings import recording
-from tests.unit.cli.programs import timonel
+from tests.unit.cli.programs import ENVIRONMENT, timonel
 from timonel.recording.decoded import open_recording
 
 SAMPLES = "canboat_canboat/samples"
@@ -159,3 +161,10 @@ def test_info_of_what_is_no_recording_says_so_and_tells_the_rest(tmp_path):
     assert done.returncode == 1
     assert b"candumpSample2.txt" in done.stdout
     assert b"No such file" in done.stderr
+
+
+@pytest.mark.parametrize(("module", "program", "extra"), [("numpy", "decode", "columns"), ("duckdb", "sql", "sql")])
+def test_what_is_not_installed_is_named_with_what_installs_it(module, program, extra):
+    code = f"import sys; sys.modules['{module}'] = None; from timonel.cli.main import main; main()"
+    done = subprocess.run([sys.executable, "-c", code, program], capture_output=True, env=ENVIRONMENT, check=False)
+    assert f"{program} needs the extra `{extra}` (pip install 'timonel[{extra}]')" in done.stderr.decode()

@@ -33,10 +33,10 @@ try:
 except ImportError as missing:
     raise RecordingError("Arrow and Parquet need the extra `columns` (pip install 'timonel[columns]')") from missing
 
-ROWS = 1 << 17
+ROWS = 1 << 16
 """Rows of a table that are written at once."""
 
-HELD = 96 << 20
+HELD = 48 << 20
 """Bytes that wait to be written, of all tables."""
 
 AHEAD = 4

@@ -16,7 +16,7 @@ Sizes = npt.NDArray[np.intp]
 Numbers = npt.NDArray[np.int64]
 
 SPARE = 64
-"""The most bytes of a row that do not count, when it is put: what begins a line is longer."""
+"""The most bytes that do not count of a row that is put. What begins a line is longer, and covers them."""
 
 _POWERS = 10 ** np.arange(19, dtype=np.uint64)
 _QUADS = np.array([b"%04d" % number for number in range(10000)]).view("<u4")
