@@ -14,6 +14,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from timonel.recording.decimals import Words, eight_digits, repeated
 from timonel.recording.frames import Bytes, Rows, Stamps
 
 BLOCK = 1 << 13
@@ -21,7 +22,6 @@ BLOCK = 1 << 13
 ROW = 64
 """Bytes of the longest line of a shape, with its end."""
 
-Words = npt.NDArray[np.uint64]
 Flags = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.intp]
 
@@ -30,10 +30,6 @@ SHAPE = re.compile(rb"\([0-3]\d{9}\.\d{6}\) ([!-~]{1,15}) ([01][0-9A-F]{7}|[0-7]
 _SECONDS = re.compile(rb"\([0-3]\d{9}")
 _LINE_FEED = 10
 _NAME = 19  # where the blank before the interface's name stands
-
-
-def _repeated(byte: int) -> int:
-    return byte * 0x0101010101010101
 
 
 _ZEROS = int.from_bytes(b"00000000", "little")
@@ -146,16 +142,16 @@ class Parser:
         fine |= shifted <= 5
         if fine.all():
             return 0
-        faults: Words = np.bitwise_or.reduce(fine.view(np.uint64) ^ _repeated(1), axis=0)
+        faults: Words = np.bitwise_or.reduce(fine.view(np.uint64) ^ repeated(1), axis=0)
         return faults
 
     def _bytes(self, words: Words) -> Bytes:
         """uint8[3, 4n]: the four bytes of the eight digits of each word, in their order. The words are lost."""
         letters = self._spare[: words.size].reshape(3, -1)
         np.right_shift(words, 6, out=letters)
-        letters &= _repeated(1)
+        letters &= repeated(1)
         letters *= 9
-        words &= _repeated(15)
+        words &= repeated(15)
         words += letters
         np.right_shift(words, 8, out=letters)
         words <<= 4
@@ -170,7 +166,7 @@ def _stamps(lines: Lines, stamps: Stamps) -> Words:
     fault = digits + _SIXES_BETWEEN
     fault |= digits
     fault &= _DIGITS_BETWEEN
-    out = _number(digits, stamps.view(np.uint64))  # the eighth digit is the bracket: 0
+    out = eight_digits(digits, stamps.view(np.uint64))  # the eighth digit is the bracket: 0
     out *= 100
     first = _where_seconds_change(lines)
     for start, end in zip(first, [*first[1:], lines.count], strict=True):
@@ -193,19 +189,6 @@ def _where_seconds_change(lines: Lines) -> list[int]:
 def _seconds(text: bytes) -> int | None:
     """Of `(1669809600`; None if it is nothing of the kind, or a time beyond 2096 that nobody recorded."""
     return int(text[1:]) if _SECONDS.fullmatch(text) else None
-
-
-def _number(digits: Words, out: Words) -> Words:
-    """The numbers of eight decimal digits, one a byte, the first one lowest."""
-    np.multiply(digits, 10 << 8 | 1, out=out)
-    out >>= 8
-    out &= 0x00FF00FF00FF00FF
-    out *= 100 << 16 | 1
-    out >>= 16
-    out &= 0x0000FFFF0000FFFF
-    out *= 10000 << 32 | 1
-    out >>= 32
-    return out
 
 
 def _name(lines: Lines, shape: Shape) -> Words:

@@ -57,7 +57,7 @@ def decimals(text: Text, begin: Places, end: Places) -> Decimals:
     missing += negative
     fine = _become_digits(low, missing)
     fine &= missing < 8
-    digits = _number(low)
+    digits = eight_digits(low)
     long = np.flatnonzero(size > 8)
     if len(long):
         fine[long], digits[long], places[long] = _long(text, begin[long], end[long], negative[long])
@@ -80,7 +80,7 @@ def _long(text: Text, begin: Places, end: Places, negative: Flags) -> tuple[Flag
     fine = _become_digits(low, np.maximum(missing - 8, 0))
     fine &= _become_digits(high, missing)
     fine &= (size <= LONGEST) & ~(within & (places_high >= 0))
-    digits = _number(high) * np.uint64(10**8) + _number(low)
+    digits = eight_digits(high) * np.uint64(10**8) + eight_digits(low)
     fine &= digits < _EXACT
     return fine, digits, np.where(places_high >= 0, places_high + np.int8(8), places)
 
@@ -98,8 +98,8 @@ def _clear_sign(words: Words, missing: Places, negative: Flags) -> None:
 
 def _without_point(words: Words) -> tuple[Words, npt.NDArray[np.int8]]:
     """The words with what is before the first point moved over it; how many characters are behind it, or -1."""
-    other = words ^ _repeated(ord("."))
-    point = (other - _repeated(1)) & ~other & _repeated(0x80)
+    other = words ^ repeated(ord("."))
+    point = (other - repeated(1)) & ~other & repeated(0x80)
     point &= ~point + 1
     places = (7 - (np.bitwise_count(point - 1) >> 3)).astype(np.int8)
     before = (point >> 7) - 1
@@ -109,14 +109,14 @@ def _without_point(words: Words) -> tuple[Words, npt.NDArray[np.int8]]:
 
 def _become_digits(words: Words, missing: Places) -> Flags:
     """Turn characters into digits, of which the first are missing; where there was nothing else."""
-    words ^= np.uint64(_repeated(ord("0"))) << (8 * missing).astype(np.uint64)
-    fine: Flags = (words | words + _repeated(6)) & _repeated(0xF0) == 0
+    words ^= np.uint64(repeated(ord("0"))) << (8 * missing).astype(np.uint64)
+    fine: Flags = (words | words + repeated(6)) & repeated(0xF0) == 0
     return fine
 
 
-def _number(digits: Words) -> Words:
-    """The numbers of eight digits, one a byte, the first one lowest."""
-    numbers = digits * (10 << 8 | 1)
+def eight_digits(digits: Words, out: Words | None = None) -> Words:
+    """The numbers of eight decimal digits, one a byte, the first one lowest; in `out`, if it is given."""
+    numbers = np.multiply(digits, 10 << 8 | 1, out=out)
     numbers >>= 8
     numbers &= 0x00FF00FF00FF00FF
     numbers *= 100 << 16 | 1
@@ -127,5 +127,5 @@ def _number(digits: Words) -> Words:
     return numbers
 
 
-def _repeated(byte: int) -> int:
+def repeated(byte: int) -> int:
     return byte * 0x0101010101010101
