@@ -266,6 +266,7 @@ def pgns() -> list[int]:
     return list(_index().definitions)
 
 
+@cache
 def is_fast(pgn: int) -> bool:
     """Whether a PGN travels as fast packet: as canboat says, or for one that it does not know as its range does."""
     lines = _index().definitions.get(pgn)
