@@ -3,13 +3,10 @@
 from math import radians
 from typing import Protocol
 
-from timonel.core.frame import Frame
-from timonel.nmea2000.fastpacket import fragment
-from timonel.nmea2000.identifier import join
 from timonel.nmea2000.lookups import HeadingReference, SteeringMode, YesNo
 from timonel.nmea2000.messages.steering import HeadingTrackControl
+from timonel.nmea2000.sender import Outgoing
 
-PRIORITY = 2
 # Looked up once: a member of an enum costs as much as a call, and these stand between a key and the rudder.
 HOLD, LET_GO, NO = SteeringMode.HEADING_CONTROL, SteeringMode.MAIN_STEERING, YesNo.NO
 
@@ -17,8 +14,8 @@ HOLD, LET_GO, NO = SteeringMode.HEADING_CONTROL, SteeringMode.MAIN_STEERING, Yes
 class Driver(Protocol):
     """Says to a pilot what it is to do."""
 
-    def steer(self, setpoint: int | None, heading: float | None) -> list[Frame]:
-        """The frames that make it hold `setpoint` (tenths of a degree), or let go if that is None.
+    def steer(self, setpoint: int | None, heading: float | None) -> list[Outgoing]:
+        """The messages that make it hold `setpoint` (tenths of a degree), or let go if that is None.
 
         `heading` is the boat's own in degrees, in the same reference, if it is known.
         """
@@ -31,12 +28,10 @@ class StandardPilot:
     Fields that do not apply are not available. Source: spec/boat.md, Commands become NMEA 2000.
     """
 
-    def __init__(self, address: int, reference: HeadingReference) -> None:
-        self._identifier = join(PRIORITY, 127237, address)
+    def __init__(self, reference: HeadingReference) -> None:
         self._reference = reference
-        self._sequence = 0
 
-    def steer(self, setpoint: int | None, heading: float | None) -> list[Frame]:
+    def steer(self, setpoint: int | None, heading: float | None) -> list[Outgoing]:
         """See `Driver`. Runs between a station's key and the rudder: keep it short."""
         payload = HeadingTrackControl(
             override=NO,
@@ -45,6 +40,4 @@ class StandardPilot:
             heading_to_steer_course=None if setpoint is None else radians(setpoint / 10),
             vessel_heading=None if heading is None else radians(heading),
         ).encode()
-        frames = [Frame(self._identifier, data) for data in fragment(payload, self._sequence)]
-        self._sequence = (self._sequence + 1) % 8
-        return frames
+        return [Outgoing(127237, payload)]

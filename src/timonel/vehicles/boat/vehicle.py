@@ -35,6 +35,7 @@ from timonel.nmea2000.messages.navico import SimnetAutopilotModeState, SimnetPil
 from timonel.nmea2000.messages.network import IsoAddressClaim
 from timonel.nmea2000.messages.raymarine import SeatalkPilotLockedHeading, SeatalkPilotMode
 from timonel.nmea2000.messages.steering import HeadingTrackControl, VesselHeading
+from timonel.nmea2000.sender import Outgoing, Sender
 from timonel.vehicles.boat.alerts import COMMANDER_UNPLUGGED
 from timonel.vehicles.boat.conversion import HEAR, Converter
 from timonel.vehicles.boat.drivers import StandardPilot
@@ -93,7 +94,8 @@ class Boat:
         self._converter = Converter(self.truth, settings.rates, settings.dialect)
         self._reports = PilotReports()
         self._reference = REFERENCES[settings.heading_reference]
-        self._driver = StandardPilot(settings.address, self._reference)
+        self._driver = StandardPilot(self._reference)
+        self._sender = Sender(settings.address)
         self._reassembler = Reassembler(settings.fast_packet_age)
         self._wires = {port.name: Wire(port, settings) for port in ports}
         self._connected: dict[str, bool] = {}
@@ -146,7 +148,7 @@ class Boat:
             self.counters["frames with 11-bit identifiers"] += 1
             return None
         target = split(frame.identifier)
-        if target.source == self.settings.address:
+        if target.source == self._sender.address:
             self.counters["frames from our own address"] += 1
             return None
         route = Route(target.source, registry.is_fast(target.pgn), registry.decoder(target.pgn))
@@ -311,7 +313,11 @@ class Boat:
 
     def _steer(self, steer: Steer, now: float) -> list[Effect]:
         heading = self.helm.pilot.heading(now)
-        return [Transmit(frame) for frame in self._driver.steer(steer.setpoint, heading)]
+        return self._transmit(self._driver.steer(steer.setpoint, heading))
+
+    def _transmit(self, messages: Sequence[Outgoing]) -> list[Effect]:
+        """Messages of ours, as frames from the address that we have."""
+        return [Transmit(frame) for message in messages for frame in self._sender.frames(message)]
 
     def _transferred(self, event: Transferred, now: float) -> list[Effect]:
         transfer = Say(parp.cmdtransfer(event.previous, event.commander), "CMDTRANSFER", urgent=True)

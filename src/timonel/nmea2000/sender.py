@@ -1,0 +1,45 @@
+"""From messages to frames of the bus: our address, a priority, and fast packets with counters of their own."""
+
+import msgspec
+
+from timonel.core.frame import Frame
+from timonel.core.message import Message
+from timonel.nmea2000.fastpacket import fragment
+from timonel.nmea2000.identifier import GLOBAL, join
+from timonel.nmea2000.registry import is_fast, priority
+
+
+class Outgoing(msgspec.Struct, frozen=True, gc=False):
+    """A message on its way out, before it has an address to come from. `priority` None is the PGN's own."""
+
+    pgn: int
+    payload: bytes
+    destination: int = GLOBAL
+    priority: int | None = None
+
+
+def outgoing(message: Message, destination: int = GLOBAL) -> Outgoing:
+    """A declared message to one device, or to everybody."""
+    assert message.PGN is not None
+    return Outgoing(message.PGN, message.encode(), destination)
+
+
+class Sender:
+    """Makes frames that come from `address`, which may change while we run."""
+
+    def __init__(self, address: int) -> None:
+        self.address = address
+        self._sequences: dict[int, int] = {}
+
+    def frames(self, message: Outgoing) -> list[Frame]:
+        """The frames of one message. Runs between a station's key and the rudder: keep it short.
+
+        The counter of a PGN's fast packets turns with each message. Raises EncodeError for a payload above 223 bytes.
+        """
+        pgn, urgency = message.pgn, message.priority
+        identifier = join(priority(pgn) if urgency is None else urgency, pgn, self.address, message.destination)
+        if not is_fast(pgn):
+            return [Frame(identifier, message.payload)]
+        sequence = self._sequences.get(pgn, 0)
+        self._sequences[pgn] = (sequence + 1) % 8
+        return [Frame(identifier, data) for data in fragment(message.payload, sequence)]
