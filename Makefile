@@ -23,7 +23,7 @@ demo: $(VENV)/run
 	$(BIN)/timonel demo
 
 test: $(VENV)/dev lint
-	scripts/debian.sh gpsd gpsd-clients gcc libc6-dev chromium
+	scripts/debian.sh gpsd gpsd-clients mosquitto gcc libc6-dev chromium
 	$(PYTEST) -n auto --dist loadfile || $(PYTEST) --last-failed --last-failed-no-failures none
 
 test-all: test mutation
