@@ -4,6 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 VCAN ?= ../shared/tools/vcan_qemu.sh# runs a command where there is a vcan0
 NPM_DONE := node_modules/.package-lock.json
+PEERS := tests/interop/node/node_modules/.package-lock.json# a Signal K server to talk to
 # What fails is tried once more, alone: programs, browsers and deadlines of milliseconds share the cores with each other.
 PYTEST := $(BIN)/python -m pytest -m "not slow"
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
@@ -22,8 +23,8 @@ help:
 demo: $(VENV)/run
 	$(BIN)/timonel demo
 
-test: $(VENV)/dev lint
-	scripts/debian.sh gpsd gpsd-clients mosquitto gcc libc6-dev chromium
+test: $(VENV)/dev lint $(PEERS)
+	scripts/debian.sh gpsd gpsd-clients mosquitto mosquitto-clients gcc libc6-dev chromium
 	$(PYTEST) -n auto --dist loadfile || $(PYTEST) --last-failed --last-failed-no-failures none
 
 test-all: test mutation
@@ -53,6 +54,7 @@ bench: $(VENV)/dev
 	$(BIN)/python -m benchmarks.rover
 	$(BIN)/python -m benchmarks.framing
 	$(BIN)/python -m benchmarks.recorder
+	$(BIN)/python -m benchmarks.convert
 
 lock: $(VENV)/dev
 	scripts/lock.sh
@@ -61,7 +63,7 @@ vendor: $(NPM_DONE)
 	node scripts/vendor.mjs
 
 clean:
-	rm -rf node_modules $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf node_modules tests/interop/node/node_modules $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis
 
 # One environment: `run` holds what the program needs, `dev` what the tests need too.
 $(VENV)/bin/python:
@@ -72,6 +74,10 @@ $(VENV)/bin/python:
 $(NPM_DONE): package-lock.json
 	@command -v npm >/dev/null || scripts/debian.sh --required npm
 	npm ci --ignore-scripts --no-audit --no-fund --silent
+
+$(PEERS): tests/interop/node/package-lock.json
+	@command -v npm >/dev/null || scripts/debian.sh --required npm
+	npm ci --prefix tests/interop/node --ignore-scripts --omit=optional --no-audit --no-fund --silent
 
 $(VENV)/run: requirements.lock pyproject.toml | $(VENV)/bin/python
 	$(PIP) install --require-hashes --only-binary :all: -r requirements.lock

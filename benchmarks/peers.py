@@ -25,14 +25,14 @@ class Peer(msgspec.Struct, frozen=True):
 def peers() -> list[Peer]:
     """Those that can be had on this machine."""
     python = Peer("nmea2000 + pynmea2", [sys.executable, str(HERE / "python.py")])
-    modules = _node_modules()
+    modules = node_modules()
     if modules is None:
         return [python]
     signalk = [str(shutil.which("node")), str(HERE / "signalk.js"), str(modules)]
     return [python, Peer("canboatjs + n2k-signalk + signalk-to-nmea0183", signalk)]
 
 
-def _node_modules() -> Path | None:
+def node_modules() -> Path | None:
     if not (shutil.which("node") and (npm := shutil.which("npm"))):
         print("without node and npm the Signal K programs are left out", file=sys.stderr)
         return None

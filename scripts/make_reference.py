@@ -1,10 +1,13 @@
 """Writes the pages that follow from declarations: in docs/ pgns.md, conversion.md, rover_frames.md and security.md."""
 
+from itertools import starmap
 from pathlib import Path
 
 from timonel.core.reference import section
-from timonel.nmea2000.registry import variants
+from timonel.nmea0183.sentence import Sentence
+from timonel.nmea2000.registry import interval, variants
 from timonel.vehicles.boat.conversion import CONVERSIONS, Conversion
+from timonel.vehicles.boat.instruments import READINGS, Reading
 from timonel.vehicles.rover import reference
 from timonel.vehicles.rover.protocol import Protocol
 from timonel.web.access import Least
@@ -46,6 +49,7 @@ configuration sets other rates, 0 is never. A source that jitters about the rate
 | sentence | talker | at most | brought about by |
 |---|---|---|---|
 """
+AIS_ROW = "| VDM, VDO | AI | as heard | the ten PGNs of [AIS](ais.md) |\n"
 ROVER = """# Frames of the rover
 
 Written by `scripts/make_reference.py` from the declarations in `timonel.vehicles.rover.frames`; do not edit.
@@ -77,6 +81,8 @@ network, where everything is hostile until it has shown otherwise; [console.md](
 - Every answer has a `Content-Security-Policy` that allows nothing but what we serve, and may not be framed.
 - A request has at most 16 KiB, a message on the socket 4 KiB, a browser says at most 120 messages a second, and at most
   256 browsers look. What is not understood ends the socket.
+- Signal K is read and ordered by the same rules ([signalk.md](signalk.md)); its stream takes subscriptions and nothing
+  else, 20 messages a second of each of at most 32 clients. An order of its autopilot API is the word of a station.
 - Files are served by their own plain names from one directory; nothing leads out of it.
 
 ## Routes and roles
@@ -98,12 +104,49 @@ and it looks for the token in the log. `tests/unit/web/test_api.py` compares all
 """
 
 
+READING = """
+# From NMEA 0183 to NMEA 2000
+
+What instruments say on an `[[input]]`, or on a station's wire with `instruments = true`; [sources](sources.md) tells
+when it is heard, and when it goes onto the bus. A sentence makes these messages, each at most as often as it is sent by
+the book:
+
+| sentence | at most | messages |
+|---|---|---|
+"""
+READING_RULES = """
+* What is empty is not available; what is marked invalid (status V, mode N, quality 0) is not told. No position is ever
+  0, 0 for want of one. A receiver that had a fix and lost it tells 129029 without a position.
+* Signs and references are those of the sentence: HDM stays magnetic, HDG brings its deviation and variation along, and
+  the bearings of a leg are counted from what APB says. Only A is a heading that was measured: THS with another mode is
+  none. MWV,T becomes wind from the bow (reference 3).
+* An estimated, manual or simulated position is told in 129029, which can say so, and nowhere else.
+* What one port tells in several sentences is taken from the best while it comes: HDG before HDM, THS before HDT, DPT
+  before DBT before DBS before DBK, GGA before RMC for 129029, XTE before APB before RMB for the cross-track error.
+* DBS and DBK need to know where the transducer is: `depth_offset_m` of a `[[correction]]`. Without it DBS is told as
+  from a transducer in the surface, and DBK not at all.
+* A date goes with a time of day for 10 s, over midnight too. APB and RMB of the same 3 s make one 129284.
+* Waypoints with names are numbered from 60001, and 129285 tells which is which. RMB's cross-track error of 9.99 nm is
+  where it ends, not a distance.
+* The variation of RMC is not told: most senders compute it.
+"""
+
+
 def pgns() -> str:
     return "\n".join([PGNS, *map(section, variants())])
 
 
 def conversion() -> str:
-    return CONVERSION + "".join(map(_row, CONVERSIONS))
+    said, read = map(_row, CONVERSIONS), starmap(_reading, READINGS.items())
+    return CONVERSION + "".join(said) + AIS_ROW + READING + "".join(read) + READING_RULES
+
+
+def _reading(sentence: type[Sentence], reading: Reading) -> str:
+    """The ceiling is that of the first message."""
+    first = reading.messages[0].PGN
+    rate = 1 / (interval(first or 0) or 1.0)
+    messages = ", ".join(f"{message.PGN} {message.__name__}" for message in reading.messages)
+    return f"| {sentence.__name__} | {rate:g} Hz | {messages} |\n"
 
 
 def _row(line: Conversion) -> str:

@@ -47,7 +47,7 @@ async def until(condition: Callable[[], object], what: str, within: float = 10.0
     return time.monotonic() - began
 
 
-def _die_with_parent() -> None:
+def die_with_parent() -> None:
     """A test run that is killed must leave no gateway behind (prctl(2), PR_SET_PDEATHSIG)."""
     ctypes.CDLL(None).prctl(1, signal.SIGKILL)
 
@@ -70,8 +70,8 @@ class Program:
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=log,
-                env=ENVIRONMENT,
-                preexec_fn=_die_with_parent,
+                env=ENVIRONMENT | {"STATE_DIRECTORY": str(self.log_path.parent)},
+                preexec_fn=die_with_parent,
             )
 
     async def running(self) -> None:
@@ -109,6 +109,10 @@ class Program:
         whole = written[: written.rfind("\n") + 1]
         records = [json.loads(line) for line in whole.splitlines() if line.startswith("{")]
         return [record for record in records if not text or record["text"] == text]
+
+    def events(self, kind: str) -> list[dict[str, Any]]:
+        """The events of one kind so far."""
+        return [record for record in self.log() if record.get("event") == kind]
 
     async def health(self) -> dict[str, dict[str, int]]:
         """Its counters now, by link."""

@@ -1,4 +1,4 @@
-"""A browser for each file of tests, and a vehicle to look at."""
+"""One browser for all tests, each with windows of its own, and a vehicle to look at."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,7 @@ from tests.browser.chromium import launch
 from tests.browser.demo import Demo
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
     """Debian's Chromium."""
     with sync_playwright() as playwright:

@@ -39,6 +39,11 @@ def boat() -> Topics:
         "wind_apparent": wind(7.4, 42), "wind_true": wind(6.1, 68), "water_temperature": measured(292.2),
         "position": {"latitude": 39.5512, "longitude": 2.6311, "at": CLOCK, "quality": "fresh"},
         "utc": measured(1795344399.0), "variation": measured(radians(1.8)),
+        "devices": [
+            device(35, "", "timonel", "PC Gateway", ours=True),
+            device(204, "Raymarine", "EV-1 Course Computer", "Autopilot", software="2.21", serial="0451234"),
+            device(None, "Garmin", None, "Display"),
+        ],
         "links": [
             {"name": "bus", "kind": "bus", "connected": True, "reason": "", "at": 1.0},
             {"name": "Bridge", "kind": "in", "connected": False, "reason": "no program has it open", "at": 1.0},
@@ -47,10 +52,29 @@ def boat() -> Topics:
     }  # fmt: skip
 
 
-def alert(priority: str, *, acknowledged: bool = False, silenced_until: float | None = None) -> Topics:
+def device(
+    address: int | None,
+    maker: str,
+    model: str | None,
+    function: str,
+    *,
+    software: str | None = None,
+    serial: str | None = None,
+    ours: bool = False,
+) -> Topics:
+    return {
+        "address": address, "name": "C0328200FCE004D2", "maker": maker, "model": model, "software": software,
+        "serial": serial, "function": function, "instance": 0, "installation": None, "since": 1.0, "ours": ours,
+    }  # fmt: skip
+
+
+def alert(
+    priority: str, *, acknowledged: bool = False, silenced_until: float | None = None, announced: int = 0
+) -> Topics:
     return {
         "id": 101, "name": "backbone silent", "text": "nothing heard from the backbone for 3 s", "priority": priority,
         "active": True, "acknowledged": acknowledged, "silenced_until": silenced_until, "since": CLOCK - 5,
+        "announced": announced,
     }  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 """The cockpit at work: `timonel demo rover` behind it, and everything that makes a rover stop."""
 
+import os
 import re
 import time
 from collections.abc import Callable, Iterator
@@ -32,6 +33,7 @@ COUNTED = """() => {
     return plain.call(this, text);
   };
 }"""
+AXE_RUN = "part => axe.run(part, {resultTypes: ['violations']})"
 BOXES = """() => [...document.querySelectorAll('.panel, .wheel, .unit, .label, .stop, .key')]
   .filter((one) => one.offsetParent).map((one) => {
     const {x, y, width, height} = one.getBoundingClientRect();
@@ -120,14 +122,17 @@ def is_lost(rover: Rover) -> None:
 # Pictures, before anything goes wrong -------------------------------------------------------------------------
 
 
-def test_pictures_for_the_manual(operator: Cockpit, rover: Rover, browser: Browser, demo: Demo) -> None:
+def test_pictures_for_the_manual(operator: Cockpit, rover: Rover, browser: Browser, demo: Demo, tmp_path: Path) -> None:
+    """With TIMONEL_PICTURES set they become those of the documentation."""
+    wanted = "TIMONEL_PICTURES" in os.environ
+    images = IMAGES if wanted else tmp_path
     operator.page.set_viewport_size({"width": 1920, "height": 1080})
     operator.hold(x=0.12, forward=0.95)
-    operator.page.wait_for_timeout(8_000)
-    pictures = [IMAGES / f"cockpit-{palette}.png" for palette in PALETTES]
+    operator.page.wait_for_timeout(8_000 if wanted else 500)
+    pictures = [images / f"cockpit-{palette}.png" for palette in PALETTES]
     for palette, picture in zip(PALETTES, pictures, strict=True):
         operator.palette(palette)
-        operator.page.wait_for_timeout(700)
+        operator.page.wait_for_timeout(700 if wanted else 0)
         operator.page.screenshot(path=picture)
     operator.page.evaluate("testPad.set(0, 0, false)")
     with Cockpit(browser, demo.url, size="telephone") as telephone:
@@ -135,8 +140,8 @@ def test_pictures_for_the_manual(operator: Cockpit, rover: Rover, browser: Brows
         if not rover.permitted:
             telephone.enable()
         telephone.push()
-        telephone.page.wait_for_timeout(1500)
-        pictures.append(IMAGES / "cockpit-telephone.png")
+        telephone.page.wait_for_timeout(1500 if wanted else 0)
+        pictures.append(images / "cockpit-telephone.png")
         telephone.page.screenshot(path=pictures[-1])
         telephone.page.mouse.up()
     assert all(picture.stat().st_size > 10_000 for picture in pictures)
@@ -454,8 +459,9 @@ def test_axe_has_nothing_to_say(browser: Browser, demo: Demo, size: str, palette
     with Cockpit(browser, demo.url, size=size, palette=palette) as cockpit:
         cockpit.take("Operator")
         cockpit.page.evaluate(AXE.read_text())
-        for _ in cockpit.pages():
-            found = cockpit.page.evaluate("axe.run({resultTypes: ['violations']})")["violations"]
+        for number, _ in enumerate(cockpit.pages()):
+            part = ".pane[data-page={}]".format(cockpit.page.locator(".cockpit").get_attribute("data-page"))
+            found = cockpit.page.evaluate(AXE_RUN, "html" if number == 0 else part)["violations"]
             assert [(one["id"], node["target"]) for one in found for node in one["nodes"]] == []
 
 

@@ -1,5 +1,6 @@
 """How the helm looks, sounds and feels under the finger; the gateway is played, to show what we want to see."""
 
+import base64
 import json
 import re
 from collections.abc import Callable, Iterator
@@ -20,6 +21,11 @@ KEY = 72  # px
 CAP_HEIGHT = 0.714  # of the font's size: Noto Sans
 PANES = ("compass", "trend", "track")
 DIALOGS = (".chip", ".lamp-button", ".bar-key:not(.station)", ".bar-key.station")
+PLACES = """parts => parts.map((part) => {
+  const {x, y, width, height} = document.querySelector(part).getBoundingClientRect();
+  return [part, x, y, width, height];
+})"""
+WHITE = base64.b64decode("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4//8/AAX+Av4N70a4AAAAAElFTkSuQmCC")
 ALARM = {
     "pilot": {"mode": "ALARM", "setpoint": None, "reference": "true", "pending": False},
     "alerts": [alert("alarm")],
@@ -97,14 +103,14 @@ def test_nothing_moves_when_values_change(played: Played) -> None:
     for width, height in SIZES.values():
         page.set_viewport_size({"width": width, "height": height})
         gateway.change(**fresh, pilot=boat()["pilot"], alerts=[])
-        places = [page.locator(part).bounding_box() for part in parts]
+        places = page.evaluate(PLACES, parts)
         for number in range(8):
             value = {"value": (number - 4) * 0.03, "at": CLOCK, "quality": "fresh"}
             gateway.change(rate_of_turn=value, rudder=value, sog=value | {"value": 3.0 * number})
-            assert [page.locator(part).bounding_box() for part in parts] == places
+            assert page.evaluate(PLACES, parts) == places
         gateway.change(**gone, **ALARM)
         expect(page.locator(".big.heading .value")).to_have_text("–––.–")
-        assert [page.locator(part).bounding_box() for part in parts] == places
+        assert page.evaluate(PLACES, parts) == places
 
 
 def test_standby_is_one_touch_away_on_every_pane_and_under_every_dialog(played: Played) -> None:
@@ -236,6 +242,27 @@ def test_a_silenced_alarm_sounds_again_when_its_silence_is_over(played: Played) 
     assert sounds(page, lambda: gateway.change(clock=CLOCK + 2.5), 1.2) >= 1
 
 
+def test_a_warning_sounds_when_it_arises_and_when_it_is_announced_again(played: Played) -> None:
+    console, gateway = played()
+    page = console.page
+    page.locator(".panel.mode").click()
+    assert sounds(page, lambda: gateway.change(alerts=[alert("warning")]), 1.2) > 0
+    assert sounds(page, lambda: gateway.change(alerts=[alert("warning")]), 1.2) == 0
+    assert sounds(page, lambda: gateway.change(alerts=[alert("warning", announced=1)]), 1.2) > 0
+
+
+def test_an_alert_of_another_device_is_shown_in_its_own_words_and_acknowledged(played: Played) -> None:
+    console, gateway = played()
+    theirs = alert("alarm") | {"id": 401, "name": "Pilot off course", "text": "Raymarine"}
+    gateway.change(alerts=[theirs])
+    chip = console.page.locator(".chip")
+    expect(chip).to_contain_text("Pilot off course")
+    chip.click()
+    expect(console.page.locator(".alert .text")).to_have_text("Raymarine")
+    console.page.get_by_role("button", name="Acknowledge").click()
+    assert (gateway.heard[-1]["type"], gateway.heard[-1]["alert"]) == ("acknowledge", 401)
+
+
 def test_a_caution_is_silent_and_does_not_flash(played: Played) -> None:
     console, gateway = played()
     console.page.locator(".panel.mode").click()
@@ -313,6 +340,31 @@ def test_the_words_change_with_the_language(played: Played) -> None:
     console.page.get_by_role("button", name="Español").click()
     expect(console.page.locator("[data-verb=TAKECMD]")).to_have_text("Tomar")
     assert console.page.locator("html").get_attribute("lang") == "es"
+
+
+def test_what_the_gateway_says_is_said_in_the_language_of_the_page(played: Played) -> None:
+    transferred = {"at": CLOCK, "text": "command passes from nobody to station 2", "kind": "command", "times": 1}
+    console, _ = played(1, language="es", topics=ALARM | {"events": [transferred]})
+    expect(console.page.locator(".badge .line")).to_contain_text("el mando pasa de nadie a puesto 2")
+    console.page.locator(".chip").click()
+    expect(console.page.locator(".alert .text")).to_have_text("no llega nada del bus desde hace 3 s")
+
+
+def test_a_map_of_the_owner_s_own_lies_under_the_track_and_does_not_dazzle_at_night(
+    browser: Browser, address: str
+) -> None:
+    console = Console(browser, address, palette="night")
+    console.page.route("**/api/v1/about", lambda route: route.fulfill(json={"tiles": 14}))
+    console.page.route("**/tiles/**", lambda route: route.fulfill(body=WHITE, content_type="image/png"))
+    PlayedGateway(console.page, boat())
+    with console:
+        console.page.locator(".tab[data-pane=track]").click()
+        expect(console.page.locator(".leaflet-tile-loaded").first).to_be_visible()
+        asked = [url for url in console.requests if "/tiles/" in url]
+        assert all(re.search(r"/tiles/14/\d+/\d+\.png$", url) for url in asked)
+        console.page.wait_for_timeout(300)
+        luminance, blue = brightest(console.page)
+        assert (luminance <= 0.10, blue <= 0.02) == (True, True), (luminance, blue)
 
 
 def test_at_night_nothing_dazzles(played: Played) -> None:

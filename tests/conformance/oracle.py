@@ -26,7 +26,7 @@ LOOKUPS = {  # fields of which the number on the wire is wanted, not the words
     "reference", "cogReference", "headingReference", "courseBearingReference", "method", "xteMode", "steeringMode",
     "turnMode", "commandedRudderDirection", "navigationTerminated", "perpendicularCrossed", "arrivalCircleEntered",
     "override", "rudderLimitExceeded", "offHeadingLimitExceeded", "offTrackLimitExceeded", "date", "time",
-    "temperatureSource", "source",
+    "temperatureSource", "source", "setReference",
 }  # fmt: skip
 
 
@@ -266,6 +266,14 @@ class Oracle:
     def expected_dbt(self, values, now):
         depth = values["depth"]
         return [[(near(depth, factor=1 / FOOT), "f", near(depth), "M", near(depth, factor=1 / FATHOM), "F")]]
+
+    def expected_vdr(self, values, now):
+        current, reference = values["set"], values["setReference"]
+        return [
+            [(c, "T") for c in self.converted(current, reference, TRUE, now)],
+            [(c, "M") for c in self.converted(current, reference, MAGNETIC, now)],
+            [(near(values["drift"], factor=1 / KNOT), "N")],
+        ]
 
     def expected_mtw(self, values, now):
         for name in ("temperature", "actualTemperature", "waterTemperature"):

@@ -1,7 +1,7 @@
 """Every recorded NMEA 2000 bus, converted: each sentence is well formed, and its numbers are those of its message.
 
 The message is the one whose arrival brought the sentence about; its values are decoded by the PyPI package
-`nmea2000` (see `oracle`). Commands, STATUS and alerts are not looked at here.
+`nmea2000` (see `oracle`). Commands, STATUS and alerts are not looked at here, and AIS is in `test_ais_recordings`.
 """
 
 import gzip
@@ -43,7 +43,7 @@ def heard(gateway, message):
 def sentences(effects):
     """What the conversion says, as text without CR LF."""
     for effect in effects:
-        if isinstance(effect, Say) and not effect.urgent:
+        if isinstance(effect, Say) and not effect.urgent and effect.line[:1] == b"$":
             yield effect.line.decode("ascii").removesuffix("\r\n")
 
 

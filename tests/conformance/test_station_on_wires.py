@@ -24,6 +24,7 @@ def test_two_stations_engage_turn_and_hand_over(tmp_path: Path) -> None:
         configuration = write_configuration(tmp_path / "boat.toml", f"slcan://{bus.path}", stations)
         async with Program(tmp_path, "run", str(configuration)) as program:
             await program.running()
+            await until(lambda: program.events("AddressClaimed"), "an address on the bus")
             async with (
                 Station.open(f"serial://{paths[2]}", station=2) as cockpit,
                 Station.open(f"serial://{paths[3]}", station=3) as flybridge,

@@ -101,8 +101,9 @@ COMMAND_STEPS = [
 class WatchedPilot(Pilot):
     """A pilot of whom we remember what it was told last: the course, None to let go, or "nothing" yet."""
 
-    def __init__(self) -> None:
+    def __init__(self, adopts: bool = False) -> None:
         super().__init__(Alerts(), 0.0)
+        self.adopts = adopts
         self.told: int | str | None = "nothing"
 
 
@@ -116,13 +117,14 @@ def pilot_twin(pilot: WatchedPilot) -> WatchedPilot:
 PILOT_STATE = {
     *("_alerts", "_mode", "_setpoint", "_alarm", "_bus_heard", "_bus_silent", "_heading", "_heading_heard"),
     *("_report", "_report_heard", "_report_due", "_command", "_ours", "_may_hold", "_repeat_at"),
-    *("_recover_at", "told"),
+    *("_recover_at", "told", "adopts", "objection", "manner"),
 }
 
 
 def pilot_state(pilot: WatchedPilot, now: float) -> Hashable:
-    """All that the pilot knows; a time is left out only where no rule asks for it."""
+    """All that the pilot knows; a time, and the manner of the last order, is left out where no rule asks for it."""
     assert pilot.__dict__.keys() == PILOT_STATE
+    assert pilot.objection is None
     command = pilot._command
     return (
         pilot._mode,
@@ -134,7 +136,7 @@ def pilot_state(pilot: WatchedPilot, now: float) -> Hashable:
         pilot._report,
         max(pilot._report_heard - now, -DATA_AGE),
         None if pilot._report is None or pilot._bus_silent else max(pilot._report_due - now, 0.0),
-        command and (command.mode, command.setpoint, command.deadline - now),
+        command and (command.mode, command.setpoint, command.deadline - now, command.told),
         pilot._ours,
         pilot._may_hold,
         pilot._repeat_at - now if pilot._repeats else None,

@@ -47,7 +47,9 @@ def commands(on_timeout: OnTimeout = OnTimeout.TRANSFER) -> list[Transition[Comm
 
 @cache
 def pilots() -> list[Transition[WatchedPilot]]:
-    return list(explore(WatchedPilot(), PILOT_STEPS, pilot_twin, pilot_state))
+    """Both kinds: one that is given its course, and one that chooses it when it is engaged."""
+    kinds = (WatchedPilot(adopts) for adopts in (False, True))
+    return [transition for pilot in kinds for transition in explore(pilot, PILOT_STEPS, pilot_twin, pilot_state)]
 
 
 def command_states() -> Iterator[tuple[CommandTransfer, float]]:

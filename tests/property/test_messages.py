@@ -18,6 +18,7 @@ from timonel.core.fields import (
     Bits,
     Field,
     Flags,
+    Float32,
     Lookup,
     Match,
     Number,
@@ -60,6 +61,8 @@ def values(field: Field) -> st.SearchStrategy[Any]:
             return st.none() | WORDS.map(lambda text: text[:size])
         case StringLau():
             return st.none() | WORDS | st.just("R\xeda de Vigo \u0416")
+        case Float32(limit=limit):
+            return st.none() | st.floats(-limit, limit, exclude_min=True, exclude_max=True, width=32)
         case Binary(size=size):
             return st.binary(min_size=size, max_size=size)
         case Repeat(group=group):

@@ -19,12 +19,12 @@ from timonel.nmea0183.framing import SentenceFramer
 from timonel.nmea0183.parp import Command, Verb
 from timonel.nmea0183.registry import SENTENCES, parse
 from timonel.nmea0183.sentence import Sentence, layout
-from timonel.nmea0183.sentences import GGA, XDR, Mode, Transducer
+from timonel.nmea0183.sentences import ALC, GGA, XDR, Listed, Mode, Transducer
 
 MUTATIONS = 100_000
 """Mutated sentences in one run; a long run sets a million."""
 
-TYPES = sorted((kind for kind in SENTENCES.values() if kind is not XDR), key=lambda kind: kind.__name__)
+TYPES = sorted((kind for kind in SENTENCES.values() if kind not in (ALC, XDR)), key=lambda kind: kind.__name__)
 PRINTABLE = st.text(
     st.characters(min_codepoint=0x20, max_codepoint=0xFF).filter(str.isprintable), min_size=1, max_size=4
 )
@@ -104,6 +104,24 @@ def test_every_sentence_survives_the_round_trip(kind: type[Sentence], data: st.D
 )
 def test_transducers_survive_the_round_trip(transducers: list[Transducer]) -> None:
     sentence = XDR(tuple(transducers))
+    assert parse(sentence.encode()[:-2]) == sentence
+
+
+@settings(max_examples=50)
+@given(
+    st.lists(
+        st.builds(
+            Listed,
+            maker=st.none() | st.just("ARP"),
+            alarm=st.none() | st.integers(0, 9_999_999),
+            instance=st.none() | st.integers(0, 999_999),
+            revision=st.none() | st.integers(0, 99),
+        ),
+        max_size=2,
+    )
+)
+def test_lists_of_alerts_survive_the_round_trip(alerts: list[Listed]) -> None:
+    sentence = ALC(1, 1, 0, tuple(alerts))
     assert parse(sentence.encode()[:-2]) == sentence
 
 

@@ -4,6 +4,7 @@ import asyncio
 import json
 import os
 import random
+import re
 import string
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
@@ -28,15 +29,19 @@ class Attacked:
         self.port = port
 
     async def send(self, data: bytes, within: float = 10.0) -> bytes:
-        """What comes back until it hangs up, or says nothing more."""
+        """What comes back until it is a whole answer, it hangs up, or says nothing more."""
         reader, writer = await asyncio.open_connection("127.0.0.1", self.port)
+        answer = b""
         try:
             writer.write(data)
-            return await asyncio.wait_for(reader.read(1_000_000), within)
+            async with asyncio.timeout(within):
+                while not whole(answer) and (more := await reader.read(1_000_000)):
+                    answer += more
         except (ConnectionError, TimeoutError):
-            return b""
+            pass
         finally:
             writer.close()
+        return answer
 
     async def ask(self, method: str, path: str, body: bytes = b"", **headers: str) -> tuple[int, bytes]:
         """Status and everything else of one request."""
@@ -54,6 +59,13 @@ class Attacked:
     async def fine(self) -> None:
         """It serves whoever may."""
         assert (await self.ask("GET", "/api/v1/you", **BEARER))[0] == 200
+
+
+def whole(answer: bytes) -> bool:
+    """Whether its body is as long as its header says."""
+    head, end, body = answer.partition(b"\r\n\r\n")
+    length = re.search(rb"(?i)content-length: *(\d+)", head)
+    return bool(end) and (length is None or len(body) >= int(length[1]))
 
 
 @asynccontextmanager

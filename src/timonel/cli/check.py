@@ -14,7 +14,8 @@ def check(configuration: str) -> None:
     """
     loaded = load(configuration)
     stations, outputs = len(loaded.stations), len(loaded.outputs)
+    inputs = f", {len(loaded.inputs)} of instruments" if loaded.inputs else ""
     click.echo(
         f"{configuration}: fine: {stations} {'station' if stations == 1 else 'stations'}, "
-        f"{outputs} {'output' if outputs == 1 else 'outputs'}, bus {loaded.bus_url}"
+        f"{outputs} {'output' if outputs == 1 else 'outputs'}{inputs}, bus {loaded.bus_url}"
     )

@@ -18,16 +18,21 @@ from msgspec.structs import replace
 from rich.console import Console
 
 from timonel.cli.console import console as serving_console
+from timonel.cli.mqtt import broker
+from timonel.core.mistakes import Mistakes
 from timonel.errors import LinkError
 from timonel.gateway import log
 from timonel.gateway.assemble import assemble
+from timonel.gateway.broker import settle
 from timonel.gateway.configuration import RECORDINGS, Configuration, Recording, Web
 from timonel.gateway.extras import recorder_installed, web_installed
 from timonel.gateway.gateway import Observer
 from timonel.gateway.recording import recorded
 from timonel.gateway.service import serve
+from timonel.gateway.signalk import signalk
 from timonel.gateway.simulation import Simulated, Simulation
 from timonel.links.urls import bus_link
+from timonel.vehicles.boat.settings import BoatSettings
 
 HERE = "127.0.0.1"
 DEMOS = {"boat": "timonel.cli.demo_boat:prepare", "rover": "timonel.cli.demo_rover:prepare"}
@@ -74,6 +79,8 @@ Prepare = Callable[[Path, int | None, int], Demo]
     "--web-port", type=click.IntRange(1, 65535), help="Where the console is served (8080, or one that is free)."
 )
 @click.option("--no-web", is_flag=True, help="Leave the console off.")
+@click.option("--pilot", metavar="DRIVER", help="What the boat's pilot obeys: raymarine, navico ... (timonel pilots).")
+@click.option("--mqtt", metavar="URL", help="Tell a broker too, like mqtt://127.0.0.1:1883.")
 @click.option("--no-recording", is_flag=True, help="Leave the flight recorder off.")
 def demo(
     vehicle: str,
@@ -84,6 +91,8 @@ def demo(
     port: int | None,
     web_port: int | None,
     no_web: bool,
+    pilot: str | None,
+    mqtt: str | None,
     no_recording: bool,
 ) -> None:
     """Run the gateway on a simulated VEHICLE, until Ctrl-C: the boat, or the rover.
@@ -94,10 +103,14 @@ def demo(
     module, _, name = DEMOS[vehicle].partition(":")
     directory = directory or _own_directory()
     shown = cast(Prepare, getattr(import_module(module), name))(directory, port, seed)
+    if pilot is not None:
+        shown = with_pilot(shown, pilot, seed)
     if not no_recording:
         shown = with_recording(shown, directory / RECORDINGS)
     if not no_web:
         shown = with_console(shown, web_port)
+    if mqtt is not None:
+        shown = with_broker(shown, mqtt)
     for number in shown.ports:
         _check_free(number)
     directory.mkdir(parents=True, exist_ok=True)
@@ -139,6 +152,23 @@ def with_console(demo: Demo, port: int | None) -> Demo:
     return replace(demo, configuration=replace(demo.configuration, web=Web(HERE, port)), hints=[hint, *demo.hints])
 
 
+def with_pilot(demo: Demo, pilot: str, seed: int) -> Demo:
+    """The demo with a simulated pilot that has words of its own, and the driver for it."""
+    if not isinstance(demo.configuration.vehicle, BoatSettings):
+        raise click.BadParameter("only the boat has a pilot", param_hint="--pilot")
+    shown: Demo = import_module("timonel.cli.demo_boat").with_pilot(demo, pilot, seed)
+    return shown
+
+
+def with_broker(demo: Demo, url: str) -> Demo:
+    """The demo with a broker that is told. Raises ConfigError."""
+    mistakes = Mistakes("demo", "")
+    settings = settle({"url": url}, demo.configuration.vehicle.name, Path(), mistakes.add)
+    if mistakes:
+        raise mistakes.error()
+    return replace(demo, configuration=replace(demo.configuration, mqtt=settings))
+
+
 def _is_free(port: int) -> bool:
     try:
         socket.create_server((HERE, port)).close()
@@ -168,6 +198,8 @@ async def _run(demo: Demo, speed: float, seed: int, console: Console | None) -> 
         Simulation(demo.simulated, bus_link(demo.configuration.bus_url, name="simulated"), speed),
         recorded(gateway, demo.configuration, simulated=True, seed=seed),
         serving_console(gateway, demo.configuration),
+        broker(gateway, demo.configuration),
+        signalk(gateway, demo.configuration),
     ):
         if console is None:
             click.echo("\n".join(demo.hints), err=True)

@@ -11,6 +11,7 @@ from timonel.errors import ConfigError, TimonelError
 
 PROGRAMS = {
     "run": ("timonel.cli.run:run", "Run the gateway that a configuration describes."),
+    "devices": ("timonel.cli.devices:devices", "Tell who is on an NMEA 2000 bus, or was in a recording of one."),
     "check": ("timonel.cli.check:check", "Tell everything that is wrong in a configuration."),
     "info": ("timonel.cli.info:info", "Tell what recordings have, without decoding them."),
     "decode": ("timonel.cli.decode:decode", "Decode recordings to JSON lines, CSV, Arrow or Parquet."),
@@ -22,6 +23,7 @@ PROGRAMS = {
     "repair": ("timonel.cli.repair:repair", "Make a recording sound that was cut off."),
     "export": ("timonel.cli.export:export", "Write the layout of the rover's frames for the tools of others."),
     "demo": ("timonel.cli.demo:demo", "Run the gateway on a simulated boat or rover."),
+    "pilots": ("timonel.cli.pilots:pilots", "Tell which pilots can be steered, how we know, and which the bus has."),
     "station": ("timonel.cli.station:station", "Be a helm station, with the keyboard."),
     "drive": ("timonel.cli.drive:drive", "Drive a rover, with the keyboard or a gamepad."),
 }

@@ -6,11 +6,15 @@ import sys
 import click
 
 from timonel.cli.console import console
+from timonel.cli.mqtt import broker
 from timonel.gateway import log
+from timonel.gateway.address_memory import remember, remembered
 from timonel.gateway.assemble import assemble
 from timonel.gateway.configuration import Configuration, load
+from timonel.gateway.mdns import announced
 from timonel.gateway.recording import recorded
 from timonel.gateway.service import serve
+from timonel.gateway.signalk import signalk
 
 
 @click.command()
@@ -26,6 +30,14 @@ def run(configuration: str) -> None:
 
 
 async def _run(configuration: Configuration) -> int:
+    configured, configuration = configuration, remembered(configuration)
     gateway = assemble(configuration)
-    async with recorded(gateway, configuration), console(gateway, configuration):
+    remember(gateway, configured)
+    async with (
+        recorded(gateway, configuration),
+        console(gateway, configuration),
+        broker(gateway, configuration),
+        signalk(gateway, configuration),
+        announced(configuration),
+    ):
         return await serve(gateway)

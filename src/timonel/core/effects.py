@@ -27,6 +27,17 @@ class Say(Effect, frozen=True, gc=False):
     state: bool = False
 
 
+class SayTo(Effect, frozen=True, gc=False):
+    """Write one line to the OUT port called `port`, and to no other: an order that others must not take for theirs.
+
+    It goes ahead of all data, and a newer one of the same `key` replaces one that is not sent yet.
+    """
+
+    line: bytes
+    key: str
+    port: str
+
+
 class Transmit(Effect, frozen=True, gc=False):
     """Put one frame on the bus."""
 

@@ -10,6 +10,7 @@ Match(bits)                              a constant, the field's default, that t
 Reserved(bits)  Spare(bits)              ones; zeros
 Ascii(size)  Binary(size)                text and bytes of fixed size
 StringLau()                              text of variable size
+Float32(unit, limit)                     a number as IEEE 754 has it
 Repeat(group, count)  Packed(field, count)   many of them; without `count`, up to the end
 ```
 NMEA 2000 gives the highest values of a number a meaning of their own: not available, out of range, reserved.
@@ -19,6 +20,7 @@ Source: canboat's database, `RangeMin`, `RangeMax` and `FieldTypes`.
 """
 
 import math
+import struct
 from enum import IntEnum, IntFlag
 from functools import cached_property, partial
 from typing import Any, ClassVar, Protocol, Self
@@ -28,6 +30,8 @@ import msgspec
 from timonel.errors import EncodeError
 
 FULL_CIRCLE = {False: 2 * math.pi, True: math.pi}
+PADDING = "@ \t\r\n"
+FLOAT = struct.Struct("<f")
 SECONDS_OF_DAY = 86401  # a leap second may make it one more than a day has
 
 
@@ -207,7 +211,10 @@ class Variable(Field, frozen=True):
 
 
 class StringLau(Variable, frozen=True):
-    """Text with a length byte and a kind byte: 0 is UTF-16, 1 is ASCII. Empty or of another kind is None."""
+    """Text with a length byte and a kind byte: 0 is UTF-16, 1 is ASCII. Empty or of another kind is None.
+
+    Spaces and `@` at its end are padding, as canboat has it.
+    """
 
     ENCODINGS: ClassVar = {0: "utf-16-le", 1: "utf-8"}
 
@@ -217,7 +224,7 @@ class StringLau(Variable, frozen=True):
         end = at + max(data[at], 2)
         encoding = self.ENCODINGS.get(data[at + 1])
         text = data[at + 2 : end].decode(encoding, "ignore") if encoding else ""
-        return text.split("\0")[0].rstrip() or None, end
+        return text.split("\0")[0].rstrip(PADDING) or None, end
 
     def write(self, value: str | None, *context: Any) -> bytes:
         text = value or ""
@@ -226,6 +233,30 @@ class StringLau(Variable, frozen=True):
         if len(content) > 253:
             raise EncodeError(f"{text[:20]!r}... has {len(content)} bytes, a string at most 253")
         return bytes((len(content) + 2, kind)) + content
+
+
+class Float32(Variable, frozen=True):
+    """A number in four bytes of IEEE 754, in `unit`. None is what is no number, or is not below `limit`.
+
+    The makers who send floats have no value for *not available*: one that cannot be stands for it.
+    """
+
+    unit: str = ""
+    limit: float = math.inf
+    bits: ClassVar[int] = 32
+
+    def read(self, data: bytes, at: int, *context: Any) -> tuple[float | None, int]:
+        if len(data) < at + 4:
+            return None, at + 4
+        value: float = FLOAT.unpack_from(data, at)[0]
+        return value if abs(value) < self.limit else None, at + 4
+
+    def write(self, value: float | None, *context: Any) -> bytes:
+        if value is None:
+            return FLOAT.pack(self.limit)
+        if abs(value) < self.limit:
+            return FLOAT.pack(value)
+        raise EncodeError(f"{value} {self.unit} is outside -{self.limit:g}..{self.limit:g}")
 
 
 class Group(Protocol):

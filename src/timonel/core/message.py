@@ -20,7 +20,7 @@ from typing import Annotated, Any, ClassVar, Self, dataclass_transform, get_orig
 import msgspec
 
 from timonel.core import codec
-from timonel.core.fields import Ascii, Binary, Field, Fixed, Number
+from timonel.core.fields import Ascii, Binary, Field, Fixed, Float32, Number
 
 
 class Slot(msgspec.Struct, frozen=True):
@@ -34,11 +34,11 @@ class Slot(msgspec.Struct, frozen=True):
     @property
     def length(self) -> int | None:
         """In bits; None where the content decides."""
-        return self.field.bits if isinstance(self.field, Fixed | Ascii | Binary) else None
+        return self.field.bits if isinstance(self.field, Fixed | Ascii | Binary | Float32) else None
 
     @property
     def unit(self) -> str:
-        return self.field.unit if isinstance(self.field, Number) else ""
+        return self.field.unit if isinstance(self.field, Number | Float32) else ""
 
 
 LAZY: dict[str, Any] = {}

@@ -1,5 +1,6 @@
 """The protocol page: a declaration as Markdown, so that no layout is written down twice."""
 
+from enum import IntEnum
 from inspect import cleandoc
 from typing import Any
 
@@ -9,6 +10,7 @@ from timonel.core.fields import (
     Bits,
     Field,
     Flags,
+    Float32,
     Lookup,
     Match,
     Number,
@@ -29,6 +31,7 @@ WORDS: dict[type[Field], str] = {
     Ascii: "text",
     Binary: "bytes",
     StringLau: "text, ASCII or UTF-16",
+    Float32: "a number in IEEE 754",
 }
 
 
@@ -67,8 +70,10 @@ def _values(slot: Slot) -> str:
             return _names([f"{code.value} {_words(code)}" for code in field.codes])
         case Flags() as field:
             return _names([f"bit {flag.bit_length() - 1} {_words(flag)}" for flag in field.flags])
-        case Match():
+        case Match() if isinstance(slot.default, IntEnum):
             return f"always {slot.default:d} ({_words(slot.default)})"
+        case Match():
+            return f"always {slot.default:d}"
         case Repeat() as field:
             return f"`{field.group.__name__}`, {_counted(field.count)}"
         case Packed() as field:

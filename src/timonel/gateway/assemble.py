@@ -2,17 +2,20 @@
 
 import asyncio
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 import msgspec
 
 from timonel.gateway.configuration import Configuration, Output, Station
+from timonel.gateway.frame_output import FrameOutput, FrameOutputs
 from timonel.gateway.gateway import Channel, Gateway
 from timonel.gateway.moment import moment
+from timonel.gateway.shaping import shaped
 from timonel.gateway.variation import variation
 from timonel.links.inner import InnerLink
 from timonel.links.link import BusLink, ByteLink
+from timonel.links.shaped import Shaped
 from timonel.links.uart_bus import UartBus
 from timonel.links.urls import bus_link, byte_link, commanding_link, with_default
 from timonel.vehicles.boat.settings import BoatSettings, Port
@@ -56,18 +59,33 @@ def assemble(configuration: Configuration) -> Gateway:
             vehicle, bus, watched = _rover(configuration, settings, now)
     raw = isinstance(configuration.vehicle, RoverSettings)
     channels = [_station(station, raw) for station in configuration.stations]
-    channels += [_output(output, raw) for output in configuration.outputs]
-    channels += [Channel(port.name, InnerLink(name=port.name), None) for port in configuration.consoles]
+    channels += [_output(output, raw) for output in configuration.outputs if output.form is None]
+    channels += [Channel(port.name, _link(url, port.name, raw), None) for port, url in configuration.instrument_urls]
+    channels += [Channel(port.name, InnerLink(name=port.name), None) for port in configuration.inner_ports]
     gateway = Gateway(vehicle, bus, channels, flush=configuration.flush, began=now)
+    watched |= {
+        f"{link.name} skipped": partial(getattr, link, "skipped") for link in gateway.links if isinstance(link, Shaped)
+    }
     for name, counters in watched.items():
         gateway.health.watch(name, counters)
+    if isinstance(vehicle, Boat) and (told := _frame_outputs(configuration.outputs)):
+        FrameOutputs(gateway, told, lambda: vehicle.address)
     return gateway
+
+
+def _frame_outputs(outputs: Sequence[Output]) -> list[FrameOutput]:
+    return [
+        FrameOutput(byte_link(output.url, name=output.name), output.form, output.transmit, output.frames_per_second)
+        for output in outputs
+        if output.form is not None
+    ]
 
 
 def _boat(configuration: Configuration, settings: BoatSettings, now: float) -> tuple[Vehicle, BusLink, Watched]:
     vehicle = boat(settings, configuration.ports, now)
     watched: Watched = {
         "boat": lambda: vehicle.counters,
+        "node": lambda: vehicle.node.counters,
         "fast packet": lambda: msgspec.structs.asdict(vehicle.fast_packets),
     }
     return vehicle, bus_link(configuration.bus_url, name="bus"), watched
@@ -96,13 +114,18 @@ def _framing(vehicle: Rover, port: str) -> Mapping[str, int]:
 def _station(station: Station, raw: bool) -> Channel:
     name = station.port.name
     receive = _link(station.receive_url, name, raw)
-    if station.send_url == station.receive_url:
-        return Channel(name, receive, receive)
-    return Channel(name, receive, _link(station.send_url, f"{name} OUT", raw))
+    one_link = station.send_url == station.receive_url
+    send = receive if one_link else _link(station.send_url, f"{name} OUT", raw)
+    if send is not None and not raw:
+        send = shaped(send, station.selection, station.bytes_per_second, station=True)
+    return Channel(name, send if one_link else receive, send)
 
 
 def _output(output: Output, raw: bool) -> Channel:
-    return Channel(output.name, None, _link(output.url, output.name, raw))
+    link = _link(output.url, output.name, raw)
+    if link is not None and not raw:
+        link = shaped(link, output.selection, output.bytes_per_second, station=False)
+    return Channel(output.name, None, link)
 
 
 def _link(url: str | None, name: str, raw: bool) -> ByteLink | None:

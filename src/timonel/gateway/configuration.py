@@ -15,13 +15,18 @@ import msgspec
 
 from timonel.core.mistakes import Mistakes, convert, did_you_mean, syntax_error, written
 from timonel.errors import ConfigError, LinkError
-from timonel.gateway import own_frames
-from timonel.gateway.extras import recorder_installed, web_installed
+from timonel.gateway import broker, identity, own_frames, shaping, signalk_settings, source_settings
+from timonel.gateway.extras import mdns_installed, recorder_installed, web_installed
 from timonel.gateway.measures import duration, size
 from timonel.gateway.places import is_loopback, place
 from timonel.links import urls
+from timonel.nmea0183.selection import EVERYTHING, Selection
+from timonel.nmea2000.text import FormName
+from timonel.vehicles.boat.alert_settings import AlertSettings
 from timonel.vehicles.boat.conversion import RATES
+from timonel.vehicles.boat.pilots import Wanted
 from timonel.vehicles.boat.settings import BoatSettings, Hertz, Port
+from timonel.vehicles.boat.sources import SourceSettings
 from timonel.vehicles.rover.calibration import Calibration, calibrated
 from timonel.vehicles.rover.declaration import RoverFrame
 from timonel.vehicles.rover.protocol import Protocol
@@ -36,11 +41,15 @@ STATION_IDS = (1, 2, 3, 4)
 RECORDINGS = "recordings"
 CONSOLE_AT = "127.0.0.1:8080"
 TOKEN_LENGTH = 12  # characters that a token has at least
+FRAMES_PER_SECOND = 400  # of one output's listeners: a quarter of what a bus carries
 FLUSH_SECONDS = {"0ms": 0.0, "2ms": 0.002, "5ms": 0.005}
 
 _BOAT = get_type_hints(BoatSettings, include_extras=True)
 _ADDRESS = _BOAT.pop("address")
 _BOAT.pop("rates")
+_BOAT.pop("alerts")
+_BOAT.pop("node")
+_BOAT.pop("sources")
 _ROVER = get_type_hints(RoverSettings, include_extras=True)
 _KIND = {"kind": Literal["boat", "rover"]}
 _BASE = {"base": Literal["documented", "physical"]}
@@ -61,9 +70,17 @@ _WEB: Keys = {
     "key": str,
     "hosts": list[str],
     "stations": list[StationId],
+    "tiles": str,
 }
+_NETWORK: Keys = {"mdns": bool}
 _STATION: Keys = {"id": StationId, "name": str, "url": str, "in": str, "out": str}
 _OUTPUT: Keys = {"url": str, "name": str}
+_INPUT: Keys = {"url": str, "name": str}
+_FRAMES: Keys = {
+    "format": FormName,
+    "transmit": bool,
+    "frames_per_second": Annotated[int, msgspec.Meta(ge=1, le=2000)],
+}
 
 
 class Kind(msgspec.Struct, frozen=True):
@@ -90,12 +107,30 @@ class Station(msgspec.Struct, frozen=True):
     port: Port
     receive_url: str | None
     send_url: str | None
+    selection: Selection = EVERYTHING
+    bytes_per_second: int | None = None
+    """What it may hear at most; None is what its link carries."""
 
 
 class Output(msgspec.Struct, frozen=True):
-    """A link for listeners that never command."""
+    """A link for listeners that never command.
+
+    With a `form` it is told the frames of the bus instead of sentences, and may `transmit` some of its own.
+    """
 
     name: str
+    url: str
+    form: FormName | None = None
+    transmit: bool = False
+    frames_per_second: int = FRAMES_PER_SECOND
+    selection: Selection = EVERYTHING
+    bytes_per_second: int | None = None
+
+
+class Input(msgspec.Struct, frozen=True):
+    """A link to instruments, which tell something and never command."""
+
+    port: Port
     url: str
 
 
@@ -115,7 +150,8 @@ class Recording(msgspec.Struct, frozen=True):
 class Web(msgspec.Struct, frozen=True):
     """Where the console is served, and to whom.
 
-    `hosts` are the names by which browsers may call it beside its addresses, `stations` those that a console may be.
+    `hosts` are the names by which browsers may call it beside its addresses, `stations` those that a console may be,
+    `tiles` a directory of map tiles, z/x/y.png.
     Without a `token` whoever reaches it sees and may be a station, which is for this computer alone.
     """
 
@@ -126,6 +162,7 @@ class Web(msgspec.Struct, frozen=True):
     key: str | None = None
     hosts: tuple[str, ...] = ()
     stations: tuple[int, ...] = STATION_IDS
+    tiles: str | None = None
 
 
 class Configuration(msgspec.Struct, frozen=True):
@@ -136,6 +173,7 @@ class Configuration(msgspec.Struct, frozen=True):
     bus_url: str
     stations: tuple[Station, ...] = ()
     outputs: tuple[Output, ...] = ()
+    inputs: tuple[Input, ...] = ()
     flush: float = 0.0
     log: str = "info"
     protocol: Protocol | None = None
@@ -144,6 +182,10 @@ class Configuration(msgspec.Struct, frozen=True):
     """The file of the rover's own frames."""
     recording: Recording | None = None
     web: Web | None = None
+    mqtt: broker.Mqtt | None = None
+    signalk: signalk_settings.SignalK | None = None
+    mdns: bool = False
+    """Whether other computers find what they can reach."""
     text: str = ""
     """The file as it stands."""
 
@@ -160,9 +202,25 @@ class Configuration(msgspec.Struct, frozen=True):
         return [Port(f"{self.names[number]} web", number, console=True) for number in stations]
 
     @property
+    def broker_port(self) -> Port | None:
+        """The port that an MQTT broker speaks on, for the station that it is paired with."""
+        number = None if self.mqtt is None else self.mqtt.station
+        return None if number is None else Port(f"{self.names[number]} MQTT", number, console=True)
+
+    @property
+    def inner_ports(self) -> list[Port]:
+        """Those that are no wires: the console's, and the broker's."""
+        return self.consoles + ([] if self.broker_port is None else [self.broker_port])
+
+    @property
     def ports(self) -> list[Port]:
-        """All ways in: the wires of the stations, and the console's."""
-        return [station.port for station in self.stations] + self.consoles
+        """All ways in: the wires of the stations, the inner ones, and those of the instruments."""
+        return [s.port for s in self.stations] + self.inner_ports + [i.port for i in self.inputs]
+
+    @property
+    def instrument_urls(self) -> list[tuple[Port, str]]:
+        """The ports that only instruments speak on, and where they are."""
+        return [(given.port, given.url) for given in self.inputs]
 
     @property
     def bus_carries(self) -> urls.Carries:
@@ -235,12 +293,16 @@ class _Reader:
             bus_url=bus_url or "",
             stations=self._stations(),
             outputs=self._outputs(),
+            inputs=self._inputs(),
             flush=FLUSH_SECONDS[gateway.get("flush", "0ms")],
             log=gateway.get("log", "info"),
             protocol=protocol,
             frames_file=self._frames_file(),
             recording=self._recording(),
             web=self._web(),
+            mqtt=self._mqtt(),
+            signalk=self._signalk(),
+            mdns=self._mdns(),
         )
         wanted = "like socketcan://can0" if configuration.bus_carries == "frames" else "like serial:///dev/ttyUSB0"
         self._require("bus.url", bus_url, f"a bus is needed, {wanted}")
@@ -248,10 +310,32 @@ class _Reader:
         return configuration
 
     def boat(self) -> tuple[Settings, None]:
-        """The settings of a boat stand in three tables."""
+        """The settings of a boat stand in several tables."""
         vehicle = _without(self._sound("vehicle"), "kind")
-        bus = _without(self._sound("bus"), "url")
-        return BoatSettings(**vehicle, **bus, rates=self._rates()), None
+        bus = self._sound("bus")
+        node = identity.settle(bus, vehicle.get("name", "boat"))
+        own = _only(bus, "address")
+        own["alerts"] = AlertSettings(**self._sound("alerts"))
+        self._check_pilot(vehicle)
+        return BoatSettings(**vehicle, **own, node=node, rates=self._rates(), sources=self._sources()), None
+
+    def _check_pilot(self, vehicle: Table) -> None:
+        """A pilot that is named must be one, and only the driver `sentence` speaks on an output."""
+        pilot, output = vehicle.get("pilot", "standard"), vehicle.get("pilot_output")
+        try:
+            Wanted.of(vehicle.get("pilot_name", ""))
+        except ValueError as fault:
+            self._wrong("vehicle.pilot_name", str(fault))
+        if pilot != "sentence":
+            for key in ("pilot_output", "pilot_sentences"):
+                if key in vehicle:
+                    self._wrong(f"vehicle.{key}", f'goes with pilot = "sentence", not with {written(pilot)}')
+            return
+        names = [table.get("name", table.get("url")) for table in self._lists["output"] if "format" not in table]
+        if output is None:
+            self._wrong("vehicle.pilot_output", "missing; the name of the [[output]] where the pilot is")
+        elif output not in names:
+            self._wrong("vehicle.pilot_output", f"there is no [[output]] with the name {written(output)}")
 
     def rover(self) -> tuple[Settings, Protocol]:
         """The settings of a rover, and what its frames mean."""
@@ -302,6 +386,17 @@ class _Reader:
         given = self._sound("sentences")
         return {key: (RATES[key] or 1.0) if value is True else float(value) for key, value in given.items()}
 
+    def _sources(self) -> SourceSettings | None:
+        """None where nothing is said of them."""
+        if not self._given & {"sources", "correction"}:
+            return None
+        keys = self._kind.lists["correction"]
+        given = enumerate(self._lists["correction"], 1)
+        corrections = [self._values(f"correction[{number}]", table, keys) for number, table in given]
+        ports = [station.port for station in self._stations()] + [given.port for given in self._inputs()]
+        names = [port.name for port in ports if port.instrument]
+        return source_settings.settle(self._sound("sources"), corrections, names, self._wrong)
+
     def _recording(self) -> Recording | None:
         """None where there is no such table, or it says so."""
         values = self._sound("recording")
@@ -335,7 +430,10 @@ class _Reader:
             self._wrong("web.token", f"missing; {host} is not this computer alone: say who may see, like {_a_token()}")
         if ("key" in values) != ("certificate" in values):
             self._wrong("web", "certificate and key go together")
-        files = {key: str(Path(self._file).parent / path) for key, path in _only(values, "certificate", "key").items()}
+        wanted = _only(values, "certificate", "key", "tiles")
+        files = {key: str(Path(self._file).parent / path) for key, path in wanted.items()}
+        if "tiles" in files and not Path(files["tiles"]).is_dir():
+            self._wrong("web.tiles", f"{files['tiles']} is no directory of map tiles, z/x/y.png")
         return Web(
             host,
             port,
@@ -344,6 +442,26 @@ class _Reader:
             stations=tuple(sorted(set(values.get("stations", STATION_IDS)))),
             **files,
         )
+
+    def _mqtt(self) -> broker.Mqtt | None:
+        """None where there is no such table, or it says so."""
+        values = self._sound("mqtt")
+        if "mqtt" not in self._given or not values.get("enabled", True):
+            return None
+        vehicle = self._sound("vehicle")
+        name = str(vehicle.get("name", vehicle.get("kind")))
+        return broker.settle(values, name, Path(self._file).parent, self._wrong)
+
+    def _mdns(self) -> bool:
+        wanted: bool = self._sound("network").get("mdns", False)
+        if wanted and not mdns_installed():
+            self._wrong("network.mdns", "needs zeroconf: pip install timonel[mdns]")
+        return wanted
+
+    def _signalk(self) -> signalk_settings.SignalK | None:
+        """None where there is no such table."""
+        values = self._sound("signalk") if "signalk" in self._kind.tables else {}
+        return signalk_settings.settle(values, self._wrong) if "signalk" in self._given else None
 
     def _measures(self, values: Table, read: Callable[[str], float]) -> Table:
         """Those that can be read, by name."""
@@ -373,7 +491,16 @@ class _Reader:
         station = None if values.get("shared") else values.get("id")
         name = values.get("name") or (f"Station {values['id']}" if "id" in values else place)
         url = values.get("url")
-        return Station(Port(name, station), values.get("in", url), values.get("out", url))
+        instruments = values.get("instruments", False)
+        if instruments and station is None:
+            self._wrong(f"{place}.instruments", "not on a wire that several stations share")
+        return Station(
+            Port(name, station, instrument=instruments),
+            values.get("in", url),
+            values.get("out", url),
+            shaping.settle(values, place, True, self._wrong),
+            values.get("bytes_per_second"),
+        )
 
     def _outputs(self) -> tuple[Output, ...]:
         return tuple(self._output(f"output[{number}]", table) for number, table in enumerate(self._lists["output"], 1))
@@ -382,10 +509,37 @@ class _Reader:
         values = self._values(place, table, self._kind.lists["output"])
         if "url" not in table:
             self._wrong(f"{place}.url", "missing; where the listeners are, like tcp-listen://127.0.0.1:10110")
-        return Output(values.get("name") or values.get("url", ""), values.get("url", ""))
+        form = values.get("format")
+        for key in _only(values, "transmit", "frames_per_second"):
+            if form is None:
+                self._wrong(f"{place}.{key}", "is for frames; say with format which form they have")
+        for key in _only(values, *shaping.KEYS):
+            if form is not None:
+                self._wrong(f"{place}.{key}", "is for sentences; with a format there are frames alone")
+        url = values.get("url", "")
+        return Output(
+            values.get("name") or url,
+            url,
+            form,
+            **_only(values, "transmit", "frames_per_second"),
+            selection=shaping.settle(values, place, False, self._wrong),
+            bytes_per_second=values.get("bytes_per_second"),
+        )
+
+    def _inputs(self) -> tuple[Input, ...]:
+        return tuple(self._input(number, table) for number, table in enumerate(self._lists.get("input", ()), 1))
+
+    def _input(self, number: int, table: Table) -> Input:
+        place = f"input[{number}]"
+        values = self._values(place, table, self._kind.lists["input"])
+        if "url" not in table:
+            self._wrong(f"{place}.url", "missing; where the instruments are, like serial:///dev/ttyUSB0?baud=4800")
+        hears = shaping.hearing(values, place, self._wrong)
+        return Input(Port(values.get("name") or f"Input {number}", instrument=True, hears=hears), values.get("url", ""))
 
     def _check_as_a_whole(self, configuration: Configuration) -> None:
-        if configuration.web is None and not self._lists["station"] and not self._lists["output"]:
+        told = (configuration.web, configuration.mqtt, configuration.signalk) != (None, None, None)
+        if not (told or self._lists["station"] or self._lists["output"] or configuration.inputs):
             self._wrong("station", "missing; without a [[station]] or an [[output]] nobody hears anything")
         self._check_urls(configuration)
         self._check_once(
@@ -401,6 +555,8 @@ class _Reader:
                 urls.check(url, configuration.bus_carries if key == "bus.url" else "bytes")
             except LinkError as fault:
                 self._wrong(key, str(fault))
+            if isinstance(configuration.vehicle, RoverSettings) and urls.is_text_bus(url):
+                self._wrong(key, f"{url}: a rover's frames have 11-bit identifiers, which these lines have not")
 
     def _names(self, configuration: Configuration) -> Iterator[tuple[str, object, object]]:
         for number, (table, station) in enumerate(zip(self._lists["station"], configuration.stations, strict=True), 1):
@@ -409,6 +565,8 @@ class _Reader:
         for number, (table, output) in enumerate(zip(self._lists["output"], configuration.outputs, strict=True), 1):
             if "name" in table:
                 yield f"output[{number}].name", output.name, output.name
+        for number, given in enumerate(configuration.inputs, 1):
+            yield f"input[{number}].name", given.port.name, given.port.name
 
     def _check_once(self, values: Iterable[tuple[str, object, object]]) -> None:
         """Note each (key, value, how it is shown) whose value has a key before it; None may come often."""
@@ -422,13 +580,23 @@ KINDS = {
     "boat": Kind(
         tables={
             "vehicle": _KIND | _BOAT,
-            "bus": {"url": str, "address": _ADDRESS},
+            "bus": {"url": str, "address": _ADDRESS} | identity.KEYS,
             "sentences": dict.fromkeys(RATES, bool | Hertz),
+            "alerts": get_type_hints(AlertSettings, include_extras=True),
             "gateway": _GATEWAY,
             "recording": _RECORDING,
             "web": _WEB,
+            "mqtt": broker.KEYS,
+            "network": _NETWORK,
+            "signalk": signalk_settings.KEYS,
+            "sources": source_settings.KEYS,
         },
-        lists={"station": _STATION | {"shared": bool}, "output": _OUTPUT},
+        lists={
+            "station": _STATION | {"shared": bool, "instruments": bool} | shaping.KEYS,
+            "output": _OUTPUT | _FRAMES | shaping.KEYS,
+            "input": _INPUT | shaping.HEARING_KEYS,
+            "correction": source_settings.CORRECTION,
+        },
         settle=_Reader.boat,
     ),
     "rover": Kind(
@@ -439,6 +607,8 @@ KINDS = {
             "gateway": _GATEWAY,
             "recording": _RECORDING,
             "web": _WEB,
+            "mqtt": broker.KEYS,
+            "network": _NETWORK,
         },
         lists={"station": _STATION, "output": _OUTPUT},
         settle=_Reader.rover,
@@ -484,6 +654,11 @@ def _urls(configuration: Configuration) -> Iterator[tuple[str, str]]:
     for number, output in enumerate(configuration.outputs, 1):
         if output.url:
             yield f"output[{number}].url", output.url
+    for number, given in enumerate(configuration.inputs, 1):
+        if given.url:
+            yield f"input[{number}].url", given.url
+    if configuration.signalk is not None and configuration.signalk.tcp is not None:
+        yield "signalk.tcp", configuration.signalk.tcp
 
 
 def _device(url: str) -> object:
@@ -493,8 +668,12 @@ def _device(url: str) -> object:
         place = urls.parse(url).values
     except LinkError:
         return None
+    if over := place.get("over"):  # a bus in lines of text
+        return _device(str(over))
     if scheme in ("serial", "slcan"):
         return os.path.realpath(str(place["path"]))
     if scheme == "pty":
         return os.path.abspath(str(place["path"]))
+    if scheme == "iec450":  # many hear and speak in one group
+        return None
     return (scheme, place.get("host"), place["port"]) if place.get("port") else None

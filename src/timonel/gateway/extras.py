@@ -18,6 +18,16 @@ def need_recorder() -> None:
         raise RecordingError("recordings need mcap and zstandard: pip install timonel[recording]")
 
 
+def mqtt_installed() -> bool:
+    """Whether an MQTT broker can be told."""
+    return find_spec("aiomqtt") is not None
+
+
+def mdns_installed() -> bool:
+    """Whether services can be told of on the local network."""
+    return all(map(find_spec, ("zeroconf", "ifaddr")))
+
+
 def web_installed() -> bool:
     """Whether the console can be served."""
     return all(map(find_spec, ("starlette", "uvicorn", "websockets")))

@@ -31,11 +31,12 @@ from typing import Any, Protocol
 
 import msgspec
 
-from timonel.core.effects import Effect, Event, Say, Transmit
+from timonel.core.effects import Effect, Event, Say, SayTo, Transmit
 from timonel.core.frame import Frame
 from timonel.gateway.health import Health
 from timonel.gateway.moment import moment
 from timonel.links.link import BusLink, ByteLink, Link
+from timonel.links.shaped import Shaped
 from timonel.vehicles.vehicle import Vehicle
 
 FAULTS = 10
@@ -118,6 +119,7 @@ class Gateway:
         """Set when there were too many faults; the gateway should be closed then."""
         self._flush_after = flush
         self._outs = [channel.send for channel in channels if channel.send is not None]
+        self._attached: list[tuple[ByteLink, Callable[[bytes], None]]] = []
         self._pending: list[Say] = []
         self._flush_timer: asyncio.TimerHandle | None = None
         self._deadline_timer: asyncio.TimerHandle | None = None
@@ -134,12 +136,22 @@ class Gateway:
         links: list[Link] = [self.bus]
         for channel in self.channels:
             links += [link for link in (channel.receive, channel.send) if link is not None]
+        links += [link for link, _ in self._attached]
         return list({id(link): link for link in links}.values())
 
     @property
     def now(self) -> float:
         """The machine's time, s."""
         return moment(self._loop.time())
+
+    def attach(self, link: ByteLink, receive: Callable[[bytes], None]) -> None:
+        """One more link, opened and closed with the others; its bytes are not for the vehicle but for `receive`."""
+        self._attached.append((link, receive))
+        self.health.watch(link.name, partial(_counters, link))
+
+    def inject(self, source: str, frames: list[Frame]) -> None:
+        """Frames of somebody who may put them on the bus; the vehicle hears them as all that is on the bus."""
+        self._feed(source, self._injected, frames)
 
     def happened(self, events: Sequence[Event]) -> None:
         """Something that is worth telling, beside what the vehicle notices."""
@@ -153,7 +165,8 @@ class Gateway:
     async def open(self) -> None:
         """Open all links at once; one that cannot be reached yet keeps none of the others waiting."""
         self._arm(self.vehicle.deadline)
-        await asyncio.gather(self._open_bus(), *map(self._open_channel, self.channels))
+        attached = (self._open_attached(link, receive) for link, receive in self._attached)
+        await asyncio.gather(self._open_bus(), *map(self._open_channel, self.channels), *attached)
 
     async def _open_bus(self) -> None:
         name = self.bus.name
@@ -168,6 +181,10 @@ class Gateway:
         if channel.send is not None and channel.send is not channel.receive:
             name = channel.send.name
             await channel.send.open(_unheard, partial(self._feed, name, self._link_changed, name))
+
+    async def _open_attached(self, link: ByteLink, receive: Callable[[bytes], None]) -> None:
+        changed = partial(self._feed, link.name, self._link_changed, link.name)
+        await link.open(partial(self._attached_heard, link.name, receive), changed)
 
     async def close(self, drain: float = 0.5) -> None:
         """End: send what is waiting, for at most `drain` seconds, and close all links.
@@ -189,6 +206,14 @@ class Gateway:
         if self.recorder is not None:
             self._record(self.recorder.frames_received, frames, now)
         return self.vehicle.receive_frames(frames, now)
+
+    def _injected(self, frames: list[Frame], now: float) -> list[Effect]:
+        self.bus.send(frames)
+        return self._frames_received(frames, now)
+
+    def _attached_heard(self, name: str, receive: Callable[[bytes], None], data: bytes) -> None:
+        if not self._closing:
+            self._guarded(name, receive, data)
 
     def _bytes_received(self, port: str, data: bytes, now: float) -> list[Effect]:
         if self.recorder is not None:
@@ -279,6 +304,8 @@ class Gateway:
                 (urgent if effect.urgent else self._pending).append(effect)
             elif type(effect) is Transmit:
                 frames.append(effect.frame)
+            elif type(effect) is SayTo:
+                self._say_to(effect)
             else:
                 self.health.event(effect, now)
         if frames:
@@ -304,6 +331,14 @@ class Gateway:
     def _send(self, lines: list[Say]) -> None:
         for link in self._outs:
             link.send(lines)
+
+    def _say_to(self, order: SayTo) -> None:
+        """One line for one port, whatever its listeners are told of the rest."""
+        line = Say(order.line, order.key, urgent=True, state=True)
+        for channel in self.channels:
+            if channel.name == order.port and channel.send is not None:
+                link = channel.send
+                (link.send_whatever if isinstance(link, Shaped) else link.send)([line])
 
     def _show(self, show: Callable[[Observer], object]) -> None:
         """Let the observers see something; one that cannot look without falling over sees no more."""

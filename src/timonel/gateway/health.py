@@ -12,12 +12,16 @@ from timonel.core.alerts import AlertChanged, Priority
 from timonel.core.command import NOBODY, Denied, Overridden, Requested, Transferred
 from timonel.core.effects import Effect, Refused, Rejected, SecurityEvent
 from timonel.core.pace import Allowance
+from timonel.vehicles.boat.foreign_alerts import FIRST, PLACES
 from timonel.vehicles.boat.pilot import Mode, PilotChanged, Steer
+from timonel.vehicles.boat.pilots.driver import GaveUp, Progressed
+from timonel.vehicles.boat.sources import SourceChanged, SourceDamaged
 from timonel.vehicles.rover.drive import Permission
 
 LINES, LINES_WINDOW = 10, 10.0  # so many log lines about the same thing in so many seconds
 KINDS_MAX = 256  # that are told apart, however inventive a peer is
 ALWAYS_SAID = (Transferred, AlertChanged, Permission)
+FOREIGN = "alert of another device"
 
 logger = logging.getLogger("timonel")
 
@@ -37,7 +41,7 @@ class Health:
         if kind not in self.counts and len(self.counts) >= KINDS_MAX:
             kind = "other"
         self.counts[kind] += 1
-        if isinstance(event, ALWAYS_SAID) or self._allowances[kind].take(now):
+        if (isinstance(event, ALWAYS_SAID) and kind != FOREIGN) or self._allowances[kind].take(now):
             self._log(event, self._unsaid.pop(kind, 0))
         else:
             self._unsaid[kind] += 1
@@ -88,6 +92,8 @@ def _kind(event: Effect) -> str:
             return f"refused {station}: {reason}"
         case SecurityEvent(reason=reason, port=port):
             return f"security {port}: {reason}"
+        case AlertChanged(alert=alert) if FIRST <= alert.kind.id < FIRST + PLACES:
+            return FOREIGN
         case _:
             return type(event).__name__
 
@@ -97,9 +103,9 @@ def level(event: Effect) -> int:
     match event:
         case AlertChanged(alert=alert) if alert.active and not alert.acknowledged:
             return logging.ERROR if alert.kind.priority <= Priority.ALARM else logging.WARNING
-        case SecurityEvent():
+        case SecurityEvent() | SourceDamaged(damaged=True):
             return logging.WARNING
-        case Steer():  # repeated every second
+        case Steer() | Progressed():  # repeated every second, or several times
             return logging.DEBUG
         case _:
             return logging.INFO
@@ -126,6 +132,14 @@ def describe(event: Effect) -> str:
             return f"pilot: {'unknown mode' if mode is Mode.UNKNOWN else mode.value}{_course(setpoint)}"
         case Steer(setpoint=setpoint):
             return "to the pilot: " + ("let go" if setpoint is None else f"hold{_course(setpoint)}")
+        case Progressed():
+            return "the pilot followed a step"
+        case GaveUp(reason=reason):
+            return f"the pilot's course is given up: {reason}"
+        case SourceChanged(datum=datum, source=source, previous=previous):
+            return f"{datum}: from {source}" + (f", no longer {previous}" if previous else "")
+        case SourceDamaged(port=port, damaged=damaged, share=share):
+            return f"{port}: {share:.0%} of its sentences are damaged, " + ("it comes last" if damaged else "it counts")
         case Permission(granted=granted, reason=reason):
             return f"drives {'enabled' if granted else 'stopped'}: {reason}"
         case AlertChanged(alert=alert):

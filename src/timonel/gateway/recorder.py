@@ -42,6 +42,7 @@ CLOCK_STEP = 50_000_000  # ns: a wall clock that goes astray by more within a se
 CLOSE_WITHIN = 2.0  # s
 NOT_RECORDING = AlertKind(301, "recording", Priority.WARNING)
 SECRET = re.compile(r"\b(token)[\"']?\s*=.*")
+IN_URL = re.compile(r"(://[^\s/@\"':]*):[^\s/@\"']*@")  # a user's password
 BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
 
 
@@ -240,13 +241,18 @@ def front(
     }
     versions = {"timonel": __version__, "python": platform.python_version(), "msgspec": msgspec.__version__}
     made_of = machine.describe(configuration, gateway.began)
-    file = {"file": configuration.file, "text": SECRET.sub(r"\1 = (not recorded)", configuration.text)}
+    file = {"file": configuration.file, "text": without_secrets(configuration.text)}
     return lambda number: {
         "timonel.recording": run | {"segment": str(number)},
         "timonel.versions": versions,
         "timonel.machine": made_of,
         "timonel.configuration": file,
     }
+
+
+def without_secrets(text: str) -> str:
+    """A configuration that may be shown to anybody."""
+    return IN_URL.sub(r"\1:(not recorded)@", SECRET.sub(r"\1 = (not recorded)", text))
 
 
 def _boot_id() -> str:

@@ -11,10 +11,11 @@ others say meanwhile is dropped and counted, and all of them hear. Connected mea
 import asyncio
 import errno
 import socket
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 from timonel.core.effects import Say
+from timonel.links.backlog import URGENT_MAX
 from timonel.links.kept import Kept, text_of
 from timonel.links.lines import WholeLines
 from timonel.links.tcp import prepare
@@ -35,6 +36,13 @@ class TcpListenLink(Kept[bytes]):
         self.host = host
         self.port = port
         self.raw = raw
+        self.urgent_max = URGENT_MAX
+        """Urgent lines that wait for one reader at most."""
+        self.stale_after: float | None = None
+        """See `Wire`."""
+        self.greeting: Callable[[], bytes] | None = None
+        """What every reader is told first."""
+        self._speaker: int | None = None
         self._voice: int | None = None
         self._voice_heard = 0.0
         self._server: socket.socket | None = None
@@ -98,16 +106,22 @@ class TcpListenLink(Kept[bytes]):
         fd = stream.fileno()
         self._readers[fd] = Wire(
             fd,
-            receive=partial(self._hear_raw, fd) if self.raw else partial(self._hear, WholeLines(self._tally)),
+            receive=partial(self._hear_raw, fd) if self.raw else partial(self._hear, fd, WholeLines(self._tally)),
             lost=partial(self._leave, fd),
             release=stream.close,
             tally=self._tally,
+            urgent_max=self.urgent_max,
+            stale_after=self.stale_after,
         )
+        if self.greeting is not None:
+            self._readers[fd].send([Say(self.greeting(), "", urgent=True)])
         self._tell_readers()
 
-    def _hear(self, lines: WholeLines, data: bytes) -> None:
+    def _hear(self, fd: int, lines: WholeLines, data: bytes) -> None:
         if whole := lines.receive(data):
+            self._speaker = fd
             self._receive(whole)
+            self._speaker = None
 
     def _hear_raw(self, fd: int, data: bytes) -> None:
         now = self._loop.time()
@@ -141,6 +155,12 @@ class TcpListenLink(Kept[bytes]):
     def send(self, lines: Sequence[Say]) -> None:
         for reader in self._readers.values():
             reader.send(lines)
+
+    def send_others(self, lines: Sequence[Say]) -> None:
+        """`send`, called while a client is heard: to all but that one."""
+        for fd, reader in self._readers.items():
+            if fd != self._speaker:
+                reader.send(lines)
 
     def _pending(self) -> bool:
         return any(reader.pending for reader in self._readers.values())

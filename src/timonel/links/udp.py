@@ -2,7 +2,8 @@
 
 A datagram holds whole lines, at most 1400 bytes of them; a batch goes out as one if it fits. What arrives
 is whole too: a last line without an end gets one, so that it is not joined to the next datagram. A
-broadcast address may be sent to.
+broadcast address may be sent to. With `?local=port` that port is ours, for a far side that does not answer to where
+it was asked from but always sends to the same port, as Wi-Fi gateways do.
 """
 
 import socket
@@ -29,12 +30,16 @@ def datagrams(lines: Sequence[Say]) -> Iterator[tuple[bytes, int]]:
 
 
 class UdpLink(Kept[bytes]):
-    """A datagram socket; without a `host` it only listens on `port`, and what is sent to it is dropped."""
+    """A datagram socket; without a `host` it only listens on `port`, and what is sent to it is dropped.
 
-    def __init__(self, host: str | None, port: int, *, url: str = "", name: str = "") -> None:
+    `local` is our own port, 0 any.
+    """
+
+    def __init__(self, host: str | None, port: int, *, local: int = 0, url: str = "", name: str = "") -> None:
         super().__init__(url=url, name=name)
         self.host = host
         self.port = port
+        self.local = local
         self._socket: socket.socket | None = None
 
     @property
@@ -55,6 +60,9 @@ class UdpLink(Kept[bytes]):
             datagram.setblocking(False)
             datagram.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
             if self.host:
+                if self.local:
+                    datagram.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                    datagram.bind(("", self.local))
                 datagram.connect(address)
             else:
                 datagram.bind(address)

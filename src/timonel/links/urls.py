@@ -1,8 +1,8 @@
 """The URLs of links: which schemes there are, what each may say, and the link that one means.
 
 ```
-bytes    serial  pty  tcp  tcp-listen  udp
-frames   socketcan  slcan  can+<interface of python-can>  loop  file
+bytes    serial  pty  tcp  tcp-listen  udp  iec450
+frames   socketcan  slcan  can+<interface of python-can>  loop  file  <form of text>+<what carries bytes>
 ```
 To check a URL loads none of the transports, only their names and the rules below; `docs/links.md` describes
 each.
@@ -11,6 +11,7 @@ each.
 from collections.abc import Callable, Iterable
 from importlib import import_module
 from importlib.util import find_spec
+from ipaddress import IPv4Address
 from typing import Literal, cast
 from urllib.parse import SplitResult, parse_qsl, unquote, urlsplit
 
@@ -24,6 +25,9 @@ Value = str | int | float | bool | None
 Values = dict[str, Value]
 
 COMMAND_AGE = 0.5  # s that a command may wait to be sent
+BAUD = 115200  # of a serial port whose URL does not say
+TEXTS = ("ydraw", "candump", "n2kascii", "seasmart")  # the forms of timonel.nmea2000.text
+GROUPS = ("MISC", "TGTD", "SATD", "NAVD", "VDRD", "RCOM", "TIME", "PROP")  # of IEC 61162-450, in the order of addresses
 BITRATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000, 1_000_000)
 
 
@@ -61,10 +65,11 @@ def byte_link(url: str, *, name: str = "") -> ByteLink:
 
 def commanding_link(url: str, *, name: str = "") -> ByteLink:
     """`byte_link` for who commands: what could not go out within half a second is dropped, never sent late."""
+    from timonel.links.tcp_listen import TcpListenLink
     from timonel.links.wire import Port
 
     made = byte_link(url, name=name)
-    if isinstance(made, Port):
+    if isinstance(made, Port | TcpListenLink):
         made.stale_after = COMMAND_AGE
     return made
 
@@ -80,14 +85,21 @@ def check(url: str, carries: Carries) -> None:
     if parse(url).carries != carries:
         wanted = "a port" if carries == "bytes" else "a bus"
         fitting = ", ".join(name for name, scheme in SCHEMES.items() if scheme.carries == carries)
+        fitting += ", or text as ydraw+tcp" if carries == "frames" else ""
         raise LinkError(f"{url}: not the URL of {wanted} ({wanted} is one of {fitting})")
+
+
+def is_text_bus(url: str) -> bool:
+    """Whether a URL means a bus in lines of text, which has NMEA 2000's identifiers of 29 bits alone."""
+    return url.partition("+")[0] in TEXTS
 
 
 def with_default(url: str, key: str, value: str) -> str:
     """`url` with a parameter that it leaves to the default, if its scheme has such a one. Raises LinkError."""
     parse(url)
     query = url.partition("?")[2]
-    if key not in _scheme(url.partition("://")[0]).parameters or key in dict(parse_qsl(query)):
+    name = url.partition("://")[0]
+    if is_text_bus(url) or key not in _scheme(name).parameters or key in dict(parse_qsl(query)):
         return url
     return f"{url}{'&' if '?' in url else '?'}{key}={value}"
 
@@ -97,6 +109,9 @@ def parse(url: str) -> Address:
     name, separator, rest = url.partition("://")
     if not separator:
         raise LinkError(f'"{url}" is not a URL (one looks like serial:///dev/ttyUSB0)')
+    form, plus, over = name.partition("+")
+    if plus and form != "can":
+        return _text_bus(url, form, f"{over}://{rest}")
     scheme = _scheme(name)
     try:
         parts = urlsplit("//" + rest, allow_fragments=False)
@@ -106,6 +121,15 @@ def parse(url: str) -> Address:
     if name.startswith("can+"):
         values["interface"] = name.removeprefix("can+")
     return Address(url, scheme.carries, scheme.maker, values)
+
+
+def _text_bus(url: str, form: str, over: str) -> Address:
+    """A bus in lines of text, over a link that carries bytes."""
+    if form not in TEXTS:
+        raise LinkError(f'{url}: unknown form "{form}"{_did_you_mean(form, (*TEXTS, "can"))}')
+    if parse(over).carries != "bytes":
+        raise LinkError(f"{url}: {form} is text, and {over.partition('://')[0]} carries none")
+    return Address(url, "frames", "timonel.links.text_bus:text_bus", {"form": form, "over": over})
 
 
 def _scheme(name: str) -> Scheme:
@@ -197,6 +221,27 @@ def _host_or_port(parts: SplitResult) -> Values:
     return _host_and_port(parts)
 
 
+def _transmission_group(parts: SplitResult) -> Values:
+    """By the standard's name, or as address and port."""
+    name = parts.netloc.upper()
+    if name in GROUPS:
+        number = 1 + GROUPS.index(name)
+        return {"host": f"239.192.0.{number}", "port": 60000 + number}
+    if ":" not in parts.netloc:
+        raise LinkError(f'unknown transmission group "{parts.netloc}" (one of {", ".join(GROUPS)}, or address:port)')
+    values = _host_and_port(parts)
+    if not _is_multicast(str(values["host"])):
+        raise LinkError(f"{values['host']} is not a multicast address (239.192.0.1 to 239.192.0.64)")
+    return values
+
+
+def _is_multicast(text: str) -> bool:
+    try:
+        return IPv4Address(text).is_multicast
+    except ValueError:
+        return False
+
+
 def _port(parts: SplitResult, lowest: int) -> int:
     if parts.port is None:
         raise LinkError("a port is missing (host:port)")
@@ -248,6 +293,19 @@ def _yes_or_no(text: str) -> bool:
     return text == "yes"
 
 
+def _interface_address(text: str) -> str:
+    try:
+        return str(IPv4Address(text))
+    except ValueError:
+        raise ValueError("is not the IPv4 address of a network adapter") from None
+
+
+def _system(text: str) -> str:
+    if not (len(text) == 6 and text[:2].isalpha() and text[:2].isupper() and text[2:].isdigit() and text.isascii()):
+        raise ValueError("is not a talker and four digits, as II0001")
+    return text
+
+
 def _as_it_is(text: str) -> Value:
     """A driver's own parameter: a number if it looks like one, then yes or no, then text."""
     if text.isascii() and text.isdigit():
@@ -262,7 +320,13 @@ SCHEMES = {
     "pty": Scheme("bytes", "timonel.links.pty:PtyLink", _path, {"mode": _mode}),
     "tcp": Scheme("bytes", "timonel.links.tcp:TcpLink", _host_and_port),
     "tcp-listen": Scheme("bytes", "timonel.links.tcp_listen:TcpListenLink", _listening, {"raw": _yes_or_no}),
-    "udp": Scheme("bytes", "timonel.links.udp:UdpLink", _host_or_port),
+    "udp": Scheme("bytes", "timonel.links.udp:UdpLink", _host_or_port, {"local": _whole(1, 65535)}),
+    "iec450": Scheme(
+        "bytes",
+        "timonel.links.iec450:Iec450Link",
+        _transmission_group,
+        {"source": _system, "interface": _interface_address},
+    ),
     "socketcan": Scheme("frames", "timonel.links.socketcan:SocketCanLink", _interface),
     "slcan": Scheme("frames", "timonel.links.slcan:SlcanLink", _path, {"bitrate": _bitrate, "baud": _baud}),
     "loop": Scheme("frames", "timonel.links.loop:LoopLink", _channel),

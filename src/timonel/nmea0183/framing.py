@@ -4,7 +4,7 @@
 input                               effect
 CR or LF                            ends a line; empty lines are nothing
 $ or !                              begins a sentence; a later one in the same line begins it anew
-TAG block `\\...\\` before it         dropped (IEC 61162-450 sources may send one)
+TAG block `\\...\\` before it         dropped (IEC 61162-450 sources may send one; a broken one is garbage)
 any other byte outside a sentence   dropped, counted in `garbage_bytes`
 control or 8-bit byte inside        sentence dropped, counted in `unprintable`
 longer than `longest`               sentence dropped, counted in `overlong`
@@ -12,6 +12,8 @@ longer than `longest`               sentence dropped, counted in `overlong`
 What comes out, and what is counted, does not depend on how the stream was cut into pieces. At most
 `longest` + 1 bytes are kept between calls.
 """
+
+from timonel.nmea0183.tag_block import is_sound
 
 _PRINTABLE = bytes(range(0x20, 0x7F))
 _LINE = _PRINTABLE + b"\r\n"
@@ -59,7 +61,7 @@ class SentenceFramer:
     def _from_start(self, line: bytes, start: int) -> bytes:
         """`line` from its last start character on; empty if it has none."""
         before = line if start < 0 else line[:start]
-        if start < 0 or not _is_tag_block(before):
+        if start < 0 or not is_sound(before):
             self.garbage_bytes += len(before)
         return b"" if start < 0 else line[start:]
 
@@ -69,7 +71,3 @@ class SentenceFramer:
             return rest
         start = max(rest.rfind(b"$"), rest.rfind(b"!"))
         return self._from_start(rest, start)[: self.longest + 1]
-
-
-def _is_tag_block(data: bytes) -> bool:
-    return len(data) > 1 and data[:1] == b"\\" == data[-1:]

@@ -4,7 +4,7 @@ from inspect import getdoc
 
 from timonel.nmea0183.registry import SENTENCES
 from timonel.nmea0183.sentence import Sentence, layout
-from timonel.nmea0183.sentences import XDR
+from timonel.nmea0183.sentences import ALC, XDR
 
 HEAD = """# NMEA 0183 sentences
 
@@ -13,6 +13,15 @@ Any talker is read. An empty field is `None`; a field outside its range makes th
 north, east, starboard; a cross-track error is positive where the boat must steer left. Times are seconds of the
 UTC day.
 """
+
+LISTS: dict[type[Sentence], tuple[str, str]] = {
+    ALC: (
+        "xx,xx,xx,x,c--c,xxx,x,x ...",
+        "`total`, `number`, `sequence`, how many `entries`, and of each manufacturer, number, instance, revision.\n",
+    ),
+    XDR: ("c--c,x.x,c--c,c--c ...", "`transducers`: any number of type, value, unit and name.\n"),
+}
+"""Those with any number of fields: notation and table."""
 
 
 def page() -> str:
@@ -26,13 +35,13 @@ def _section(kind: type[Sentence]) -> str:
 
 
 def _notation(kind: type[Sentence]) -> str:
-    fields = ["c--c,x.x,c--c,c--c ..."] if kind is XDR else [field.notation for field in layout(kind).values()]
+    fields = [LISTS[kind][0]] if kind in LISTS else [field.notation for field in layout(kind).values()]
     return f"$--{kind.__name__},{','.join(fields)}*hh"
 
 
 def _table(kind: type[Sentence]) -> str:
-    if kind is XDR:
-        return "`transducers`: any number of type, value, unit and name.\n"
+    if kind in LISTS:
+        return LISTS[kind][1]
     rows = [f"| `{name}` | `{field.notation}` |" for name, field in layout(kind).items()]
     return "\n".join(["| attribute | field |", "|---|---|", *rows, ""])
 

@@ -199,6 +199,16 @@ class _Source:
         function: Decoder = self.scope[name]
         return function
 
+    def value(self) -> Decoder:
+        """The value alone, of a definition with one field of fixed size; None without one (reserved bits)."""
+        (part,) = plan(self.definition).parts
+        assert isinstance(part, Run)
+        run = self._run(part)
+        otherwise = f"return (*short_{run}(data, 0), None)[0]"
+        value = (*self._values(run, part, raws=False), "None")[0]
+        self.lines += ["def value(data, at=0):", *self._unpacked(run, part, "data", otherwise), f" return {value}"]
+        return self.function("value")
+
     def _decode(self) -> None:
         parts = plan(self.definition).parts
         order = [f"v{self.numbers[field.id]}" for field in self._outside() if not field.silent]
@@ -276,6 +286,8 @@ class _Source:
             self.scope[f"list_{name}"] = partial(packed, item, table(part.parts[0].places[0], self.flavour))
             return [f" {name}, at = list_{name}(data, at, {count})"]
         self.scope[f"cls_{name}"] = item
+        if len(part.parts) == 1 and isinstance(part.parts[0], Run) and not self._raws(part.parts[0]):
+            return self._fixed_items(part.parts[0], part.least, name, count)
         order = [f"v{number}" for number in range(group.first, group.end) if not self.definition.fields[number].silent]
         outer = [name for one in part.parts if isinstance(one, Tail) for name in self._context(one.field)]
         outer = [name for name in outer if name != "None" and not group.first <= int(name[1:]) < group.end]
@@ -286,6 +298,23 @@ class _Source:
             f" while left > 0 and at + {part.least} <= len(data):",
             f"  item, at = item_{name}(data, at{context})",
             f"  {name}.append(item)",
+            "  left -= 1",
+            f" {name} = {name} or None",
+        ]
+
+    def _fixed_items(self, part: Run, least: int, name: str, count: str) -> list[str]:
+        """A repeating set whose items are one run."""
+        run = self._run(part)
+        self.lines += [
+            f"def item_{name}(data, at):",
+            *self._unpacked(run, part, "data, at", f"return cls_{name}(*short_{run}(data, at))"),
+            f" return cls_{name}({', '.join(self._values(run, part, raws=True))})",
+        ]
+        return [
+            f" {name}, left = [], {count}",
+            f" while left > 0 and at + {least} <= len(data):",
+            f"  {name}.append(item_{name}(data, at))",
+            f"  at += {part.size}",
             "  left -= 1",
             f" {name} = {name} or None",
         ]
@@ -450,8 +479,7 @@ def tail_reader(definition: Definition, field: Field, flavour: Flavour) -> Any:
             return lz
         case "DYNAMIC_FIELD_VALUE":
             key, length = announced_by(definition, field)
-            readers = Readers(keys(key.lookup) if key else {}, flavour)
-            return partial(keyed, readers, length.overhead if length else 0)
+            return Keyed(key, length, flavour).read
     return partial(_counted, flavour.hexadecimal, False)
 
 
@@ -462,18 +490,45 @@ def _counted(hexadecimal: bool, bits: bool, data: bytes, at: int, length: int | 
     return _hexadecimal(found) if hexadecimal else found, at + size
 
 
-class Readers(dict[tuple[int, int], Any]):
-    """Key and size -> how the value is read, None for bytes; made as they are met."""
+class Keyed(dict[tuple[int | None, int | None], tuple[int, Any]]):
+    """Reads values whose kind their key tells, and whose size a length or else the kind.
 
-    def __init__(self, fields: dict[int, Field], flavour: Flavour) -> None:
-        self.fields = fields
-        self.flavour = flavour
+    Key and length -> size, and how the value is read, None for bytes; made as they are met. A length that does not
+    even count what stands before the value (`overhead`) is none: the value is all that is left.
+    """
 
-    def __missing__(self, kind: tuple[int, int]) -> Any:
-        key, size = kind
-        field = sized(self.fields[key], size)
-        made = self[kind] = None if field is None else reader(field, self.flavour)
+    def __init__(self, key: Field | None, length: Field | None, flavour: Flavour) -> None:
+        self._fields = keys(key.lookup) if key else {}
+        self._overhead = length.overhead if length else 0
+        self._flavour = flavour
+
+    def told(self, key: int | None) -> Field | None:
+        """What a key announces; None for a key that is not known, and without one."""
+        return None if key is None else self._fields.get(key)
+
+    def size(self, key: int | None, length: int | None) -> int | None:
+        """How many bytes a value has; None for all that are left."""
+        if length is not None:
+            return length - self._overhead if length >= self._overhead else None
+        told = self.told(key)
+        return None if told is None else -(-(told.bits or 0) // 8)
+
+    def __missing__(self, kind: tuple[int | None, int | None]) -> tuple[int, Any]:
+        told, size = self.told(kind[0]), self.size(*kind)
+        if told is None or size is None:
+            return EVERYTHING if size is None else size, None
+        field = sized(told, size)
+        made = self[kind] = size, None if field is None else value_of(field, self._flavour)
         return made
+
+    # Once a value, of which a message has many.
+    def read(self, data: bytes, at: int, key: int | None, length: int | None) -> tuple[Any, int]:
+        """The value and where it ends; bytes where its kind is not known."""
+        size, value = self[key, length]
+        found = data[at : at + size]
+        if value is not None and len(found) == size:
+            return value(found), at + size
+        return (_hexadecimal(found) if self._flavour.hexadecimal else found) if found else None, at + len(found)
 
 
 def sized(field: Field, size: int) -> Field | None:
@@ -484,38 +539,28 @@ def sized(field: Field, size: int) -> Field | None:
     return msgspec.structs.replace(field, bits=8 * size) if number else None
 
 
-def keyed(
-    readers: Readers, overhead: int, data: bytes, at: int, key: int | None, length: int | None
-) -> tuple[Any, int]:
-    """A value whose kind its key tells, and whose size a length or else the kind; bytes where that is not known.
-
-    A length that does not even count what stands before the value is none: the value is all that is left.
-    """
-    told = readers.fields.get(key) if key is not None else None
-    have = value_size(told, overhead, length)
-    found = data[at:] if have is None else data[at : at + have]
-    if key is not None and told is not None and len(found) == have and (read := readers[key, have]) is not None:
-        return read(found, 0)[0], at + have
-    return (_hexadecimal(found) if readers.flavour.hexadecimal else found) if found else None, at + len(found)
-
-
-def value_size(told: Field | None, overhead: int, length: int | None) -> int | None:
-    """How many bytes a value has; None for all that are left."""
-    if length is not None:
-        return length - overhead if length >= overhead else None
-    return None if told is None else -(-(told.bits or 0) // 8)
-
-
 @cache
 def reader(field: Field, flavour: Flavour) -> Any:
     """(data, at) -> (value, end) of a field on its own."""
-    field = msgspec.structs.replace(field, id="value", match=None, by="", length="", when="")
-    alone = Definition(0, "value", "", "", (field,))
     if isinstance(single(field), Tail):
-        return tail_reader(alone, field, flavour)
-    made = decoder(alone, flavour.labels, flavour.hexadecimal)
-    size = -(-(field.bits or 0) // 8)
-    return lambda data, at: (getattr(made(data[at : at + size]), "value", None), at + size)
+        return tail_reader(_alone(field), _alone(field).fields[0], flavour)
+    read, size = value_of(field, flavour), -(-(field.bits or 0) // 8)
+    return lambda data, at: (read(data[at : at + size]), at + size)
+
+
+@cache
+def value_of(field: Field, flavour: Flavour) -> Callable[[bytes], Any]:
+    """data -> value of a field on its own."""
+    if isinstance(single(field), Tail):
+        read = reader(field, flavour)
+        return lambda data: read(data, 0)[0]
+    return _Source(_alone(field), flavour).value()
+
+
+def _alone(field: Field) -> Definition:
+    return Definition(
+        0, "value", "", "", (msgspec.structs.replace(field, id="value", match=None, by="", length="", when=""),)
+    )
 
 
 # PGN 126208 ----------------------------------------------------------------------------------------

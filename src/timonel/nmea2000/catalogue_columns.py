@@ -11,54 +11,32 @@ Fixed fields are strided views, scaled; nothing is done row by row but for text,
 126208. The values are those of `Definition.decode_codes`, bit for bit.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
-from functools import cache, cached_property
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache, cached_property, partial, reduce
+from itertools import pairwise
 from typing import Any
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from timonel.core.fields import Ascii, Number
+from timonel.core.fields import Number
 from timonel.nmea2000 import catalogue_codec as scalar
 from timonel.nmea2000.catalogue import Definition, Field, Group, candidates, find, keys, pairs
-from timonel.nmea2000.catalogue_layout import (
-    Choice,
-    Decimal,
-    Octets,
-    OddOctets,
-    Place,
-    Ranged,
-    Real,
-    Repeated,
-    Run,
-    Tail,
-    kind,
-    plan,
-    single,
+from timonel.nmea2000.catalogue_layout import Place, Repeated, Run, Tail, kind, plan, single
+from timonel.nmea2000.fixed_columns import (
+    Array,
+    Column,
+    Mask,
+    Payloads,
+    Rows,
+    objects,
+    pieces,
+    reader,
+    run_columns,
 )
 
-Array = npt.NDArray[Any]
-Payloads = npt.NDArray[np.uint8]
-Rows = npt.NDArray[np.intp]
-Mask = npt.NDArray[np.bool_]
-WIDTHS = (1, 2, 4, 8)
 WINDOW = 256  # bytes that no item or field is longer than
-
-
-class Column(msgspec.Struct, frozen=True):
-    """The values of a field, one a row.
-
-    float64 for a scaled number, NaN where there is none (`valid` is None then); an integer type for whole numbers,
-    lookups and bit lookups, with `valid` False where there is none, None if all are valid; uint8[n, size] for bytes of
-    fixed size, of which row i has `sizes[i]` (None: all of them); objects for text, and for fields whose size the
-    message tells: str, bytes, None, numbers.
-    """
-
-    field: Field
-    values: Array
-    valid: Mask | None = None
-    sizes: Rows | None = None
 
 
 class Mixed(msgspec.Struct, frozen=True, dict=True):
@@ -73,7 +51,7 @@ class Mixed(msgspec.Struct, frozen=True, dict=True):
         """Objects: str, bytes, numbers, None. Made when they are asked for."""
         values = np.full(self.rows, None, object)
         for rows, column in self.parts:
-            values[rows] = _objects(listed(column))
+            values[rows] = objects(listed(column))
         return values
 
     @property
@@ -110,6 +88,8 @@ class Columns(msgspec.Struct, frozen=True):
 def select(pgn: int, payloads: Payloads, lengths: Rows) -> list[tuple[Definition | None, Rows]]:
     """`find` for uint8[n, width] payloads: the definitions that occur, and intp[m] rows of each in ascending order."""
     left = np.arange(len(payloads))
+    if not _distinction(pgn)[1]:
+        return [(find(pgn, b""), left)] if len(left) else []
     found: dict[str, tuple[Definition | None, list[Rows]]] = {}
     heads = _heads(pgn, payloads, lengths)
     while len(left):
@@ -124,8 +104,6 @@ def select(pgn: int, payloads: Payloads, lengths: Rows) -> list[tuple[Definition
 def _heads(pgn: int, payloads: Payloads, lengths: Rows) -> npt.NDArray[np.uint64]:
     """uint64[n, k]: all that tells the variants of a PGN apart, and how much of it is there."""
     mask, longest = _distinction(pgn)
-    if not longest:
-        return np.zeros((len(payloads), 1), np.uint64)
     width = min(longest, payloads.shape[1])
     padded = np.zeros((len(payloads), -(-longest // 8) * 8), np.uint8)
     padded[:, :width] = payloads[:, :width] & mask[:width]
@@ -166,21 +144,34 @@ class _Store:
         self.lengths = lengths
 
     @cached_property
-    def _flat(self) -> Payloads:
+    def flat(self) -> Payloads:
+        """All of them, one behind the other, and zeros."""
         return np.concatenate((self.payloads.ravel(), np.zeros(WINDOW, np.uint8)))
 
-    def windows(self, rows: Rows, ats: Rows, size: int) -> Payloads:
-        """uint8[m, size] of some rows, each from its own byte on; what stands behind a row's end is not its own."""
-        if not size or not len(rows):
-            return np.zeros((len(rows), size), np.uint8)
-        flat, width = self._flat, self.payloads.shape[1]
-        all_windows: Array = np.ndarray(flat.size - size + 1, f"V{size}", flat.data, strides=(1,))
-        found: Payloads = all_windows[rows * width + np.minimum(ats, width)].view(np.uint8).reshape(-1, size)
+    @cached_property
+    def _bytes(self) -> bytes:
+        return self.flat.tobytes()
+
+    def windows(self, places: Rows, size: int) -> Payloads:
+        """uint8[m, size] from some places in `flat` on; what stands behind a payload's end is not its own."""
+        if not size or not len(places):
+            return np.zeros((len(places), size), np.uint8)
+        found: Payloads = _everywhere(self.flat, f"V{size}")[places].view(np.uint8).reshape(-1, size)
         return found
+
+    def pieces(self, places: Rows, sizes: Rows) -> list[bytes]:
+        """Some bytes from some places in `flat` on."""
+        flat = self._bytes
+        return [flat[place : place + size] for place, size in zip(places.tolist(), sizes.tolist(), strict=True)]
 
     def whole(self, rows: Rows) -> list[bytes]:
         """The payloads of some rows as bytes."""
-        return _bytes(self.payloads[rows], self.lengths[rows])
+        return pieces(self.payloads[rows], self.lengths[rows])
+
+
+def _everywhere(flat: Payloads, kind: str) -> Array:
+    """What begins at each byte, as a type of NumPy's."""
+    return np.ndarray(flat.size - np.dtype(kind).itemsize + 1, kind, flat.data, strides=(1,))
 
 
 class _Table:
@@ -192,7 +183,8 @@ class _Table:
         self.definition = definition
         self.store = store
         self.rows = np.arange(len(store.payloads)) if rows is None else rows
-        self.lengths = store.lengths if rows is None else store.lengths[rows]
+        self.lengths = store.lengths if rows is None else store.lengths.take(rows)
+        self.begin = self.rows * store.payloads.shape[1]
         self.flavour = flavour
         self.at: int | Rows = 0
         self.fields: dict[str, AnyColumn] = {}
@@ -200,6 +192,11 @@ class _Table:
 
     def __len__(self) -> int:
         return len(self.rows)
+
+    def places(self, ats: Rows) -> Rows:
+        """Where these are in all that the store has; at the payload's end, if they are beyond it."""
+        places: Rows = self.begin + np.minimum(ats, self.lengths)
+        return places
 
     def read(self, parts: Iterable[Any]) -> None:
         for part in parts:
@@ -214,10 +211,10 @@ class _Table:
     def _run(self, run: Run) -> None:
         if run.conditional:
             there = np.fromiter(map(scalar.proprietary, listed(self.fields["pgn"])), np.bool_, len(self))
-            self.fields |= _run_columns(run, *self._block(run.size, there))
+            self.fields |= run_columns(run, *self._block(run.size, there))
             self.at = self.at + run.size * there
             return
-        self.fields |= _run_columns(run, *self._block(run.size))
+        self.fields |= run_columns(run, *self._block(run.size))
         self.at = self.at + run.size
 
     def _block(self, size: int, there: Mask | None = None) -> tuple[Payloads, Rows | None]:
@@ -228,61 +225,56 @@ class _Table:
         if isinstance(self.at, int):
             block = self.store.payloads[:, self.at : self.at + size]
         else:
-            block = self.store.windows(self.rows, self.at, size)
+            block = self.store.windows(self.places(self.at), size)
         return block, None if len(have) and have.min() >= size else np.maximum(have, 0)
 
     def _tail(self, field: Field) -> None:
         ats = np.broadcast_to(np.asarray(self.at, np.intp), len(self))
         key, length = scalar.announced_by(self.definition, field)
-        if field.kind == "DYNAMIC_FIELD_VALUE" and key and not field.length:
+        if field.kind == "DYNAMIC_FIELD_VALUE" and not field.length:
             self._keyed(field, key, length, ats)
             return
         read = scalar.tail_reader(self.definition, field, self.flavour)
-        nothing: list[Any] = [None] * len(self)
         context: list[list[Any]] = []
         if field.length:
             context = [listed(self.fields[field.length])]
-        elif field.kind == "DYNAMIC_FIELD_VALUE":
-            context = [nothing, listed(self.fields[length.id]) if length else nothing]
         data = self.store.whole(self.rows)
         made = [read(*arguments) for arguments in zip(data, ats.tolist(), *context, strict=True)]
-        self.fields[field.id] = Column(field, _objects([value for value, _ in made]))
+        self.fields[field.id] = Column(field, objects([value for value, _ in made]))
         self.at = np.fromiter((end for _, end in made), np.intp, len(made))
 
-    def _keyed(self, field: Field, key: Field, length: Field | None, ats: Rows) -> None:
+    def _keyed(self, field: Field, key: Field | None, length: Field | None, ats: Rows) -> None:
         """Values whose kind their key tells: those of one kind at a time."""
-        parts = []
-        wanted = np.empty(len(self), np.intp)
-        readers = scalar.Readers(keys(key.lookup), self.flavour)
-        codes = _codes(self.fields[key.id])
-        lengths = _codes(self.fields[length.id]) if length else np.full(len(self), -1)
-        kinds, of_row = np.unique(codes << 32 | lengths + 1, return_inverse=True)
-        for number, both in enumerate(kinds.tolist()):
-            rows = np.flatnonzero(of_row == number)
-            code, told = both >> 32, (both & 0xFFFFFFFF) - 1
-            column, wanted[rows] = self._of_kind(rows, ats[rows], code, told if told >= 0 else None, readers, length)
-            parts.append((rows, column))
+        keyed = scalar.Keyed(key, length, self.flavour)
+        told = self.fields[key.id] if key else None, self.fields[length.id] if length else None
+        kinds = _kinds(*told, len(self))
+        order = np.argsort(kinds, kind="stable")
+        places, left = self.places(ats).take(order), np.maximum(self.lengths - ats, 0).take(order)
+        starts = [0, *(np.flatnonzero(np.diff(kinds.take(order))) + 1).tolist()] if len(order) else []
+        parts, sizes = [], [np.empty(0, np.intp)]
+        for start, end in pairwise([*starts, len(order)]):
+            some, code, size = slice(start, end), _code(told[0], order[start]), _code(told[1], order[start])
+            have = keyed.size(code, size)
+            sizes.append(left[some] if have is None else np.minimum(left[some], have))
+            column = self._of_kind(places[some], sizes[-1], have, keyed, code, size)
+            parts.append((order[some], column))
         self.fields[field.id] = Mixed(field, len(self), tuple(parts))
-        self.at = ats + wanted
+        self.at = ats.copy()
+        self.at[order] += np.concatenate(sizes)
 
     def _of_kind(
-        self, rows: Rows, ats: Rows, code: int, length: int | None, readers: Any, field: Field | None
-    ) -> tuple[Column, Rows]:
-        """The values of rows with one key and one length, and how many bytes they take."""
-        overhead = field.overhead if field else 0
-        told = readers.fields.get(code)
-        size = scalar.value_size(told, overhead, length)
-        if told is not None and size and (self.lengths[rows] - ats >= size).all():
-            told = scalar.sized(told, size)
-            if told is not None and isinstance(kind(told), Number):
-                (place,) = single(told).places  # type: ignore[union-attr]
-                column = _column(place, self.store.windows(self.rows[rows], ats, size), None)
-                return column, np.full(len(rows), size, np.intp)
-        data = self.store.whole(self.rows[rows])
-        both = zip(data, ats.tolist(), strict=True)
-        made = [scalar.keyed(readers, overhead, one, at, code, length) for one, at in both]
-        kept = Column(told or Field(), _objects([value for value, _ in made]))
-        return kept, np.array([end for _, end in made], np.intp) - ats
+        self, places: Rows, sizes: Rows, have: int | None, keyed: scalar.Keyed, code: int | None, length: int | None
+    ) -> Column:
+        """The values of one key and one length, each of which has some bytes, `have` if it is not cut short."""
+        told = keyed.told(code)
+        if told is not None and have and sizes.min() == have:
+            number = scalar.sized(told, have)
+            if number is not None and isinstance(kind(number), Number):
+                (place,) = single(number).places  # type: ignore[union-attr]
+                return reader(place)(self.store.windows(places, have), None)
+        found = self.store.pieces(places, sizes)
+        known = {raw: keyed.read(raw, 0, code, length)[0] for raw in set(found)}
+        return Column(told or Field(), objects([known[raw] for raw in found]))
 
     def _repeated(self, part: Repeated) -> None:
         group, ats = part.group, np.broadcast_to(np.asarray(self.at, np.intp), len(self))
@@ -312,12 +304,53 @@ class _Table:
         (run,) = part.parts
         assert isinstance(run, Run)
         whole = None if len(have) and have.min() >= size else np.maximum(have, 0)
-        block = self.store.windows(self.rows[rows], places, size)
-        self.groups.append(Items(part.group, rows, _run_columns(run, block, whole)))
+        block = self.store.windows(self.begin[rows] + places, size)
+        self.groups.append(Items(part.group, rows, run_columns(run, block, whole)))
         self.at = ats + size * counts
 
     def _items(self, part: Repeated, ats: Rows, counts: Rows) -> None:
-        """Items of many sizes: the first of all rows, the second of those that have one, and so on."""
+        """Items of many sizes: where each of them stands is found first, then all are read at once."""
+        walk = _walk(self.definition, part)
+        if walk is None:
+            self._item_after_item(part, ats, counts)
+            return
+        steps, self.at = self._steps(walk, part.least, ats, counts)
+        if not steps:
+            self.groups.append(_joined(self.definition, part.group, []))
+            return
+        found = np.bincount(np.concatenate([rows for rows, _ in steps]), minlength=len(self))
+        rows = np.repeat(np.arange(len(self)), found)
+        places = np.empty(len(rows), np.intp)
+        firsts = np.cumsum(found) - found
+        for number, (some, at) in enumerate(steps):
+            places[firsts.take(some) + number] = at
+        table = _Table(self.definition, self.store, self.flavour, self.rows[rows])
+        table.at = places - table.begin
+        table.read(part.parts)
+        fields = self.definition.fields[part.group.first : part.group.end]
+        kept = {field.id: table.fields[field.id] for field in fields if not field.silent}
+        self.groups.append(Items(part.group, rows, kept))
+
+    def _steps(self, walk: "Walk", least: int, ats: Rows, counts: Rows) -> tuple[list[tuple[Rows, Rows]], Rows]:
+        """Where the first items of all rows stand, the second of those that have one, and so on; where all end."""
+        ends, steps = ats.copy(), []
+        rows = np.flatnonzero((counts > 0) & (ats + least <= self.lengths))
+        begin, counts = self.begin.take(rows), counts.take(rows)
+        at, end = begin + ats.take(rows), begin + self.lengths.take(rows)
+        while len(rows):
+            steps.append((rows, at))
+            at = walk(self.store.flat, at, end)
+            on = at + least <= end
+            if not (enough := counts > len(steps)).all():
+                on &= enough
+            off = np.flatnonzero(~on)
+            ends[rows.take(off)] = at.take(off) - self.begin.take(rows.take(off))
+            on = np.flatnonzero(on)
+            rows, at, end, counts = rows.take(on), at.take(on), end.take(on), counts.take(on)
+        return steps, ends
+
+    def _item_after_item(self, part: Repeated, ats: Rows, counts: Rows) -> None:
+        """The first item of all rows, the second of those that have one, and so on."""
         ends, steps = ats.copy(), []
         outer = {one.field.length for one in part.parts if isinstance(one, Tail)} & self.fields.keys()
         rows = np.flatnonzero((counts > 0) & (ats + part.least <= self.lengths))
@@ -357,6 +390,90 @@ class _Table:
         }
         self.groups.append(Items(part.group, rows, found))
         self.at = np.array([end for _, end in made], np.intp)
+
+
+Walk = Callable[[Payloads, Rows, Rows], Rows]
+"""(bytes of all payloads, where items begin in them, where their payloads end) -> where the items end."""
+
+
+@cache
+def _walk(definition: Definition, part: Repeated) -> Walk | None:
+    """How to find the end of an item without reading it; None if that takes more than the item."""
+    steps: list[Walk] = []
+    run = None
+    for one in part.parts:
+        match one:
+            case Run(conditional=False):
+                run = one
+                steps.append(partial(_behind_run, one.size))
+            case Tail(field=Field(kind="STRING_LAU", length="")):
+                steps.append(_behind_lau)
+            case Tail(field=Field(kind="STRING_LZ", length="")):
+                steps.append(_behind_lz)
+            case Tail(field=Field(kind="DYNAMIC_FIELD_VALUE", length="") as field) if run is not None:
+                key, length = scalar.announced_by(definition, field)
+                inside = {place.field.id for place in run.values}
+                if any(one.id not in inside for one in (key, length) if one):
+                    return None
+                steps.append(partial(_behind_value, _ValueSizes(run, key, length)))
+            case _:
+                return None
+    return lambda flat, at, end: reduce(lambda behind, step: step(flat, behind, end), steps, at)
+
+
+class _ValueSizes:
+    """How many bytes a value has, by what announces it: a run with its key and, if it has one, its length."""
+
+    def __init__(self, run: Run, key: Field | None, length: Field | None) -> None:
+        self.run = run
+        self._places = [place for place in run.values if place.field in (key, length)]
+        self._key, self._length = key, length
+        self._told = np.full((1 << (key.bits or 0) if key else 0) + 1, scalar.EVERYTHING, np.intp)
+        keyed = scalar.Keyed(key, None, scalar.Flavour(False, False))
+        for code in keys(key.lookup) if key else ():
+            self._told[code] = keyed.size(code, None) or 0
+
+    @cached_property
+    def _of_two(self) -> Rows:
+        """Of all there can be of two bytes."""
+        return self._sizes(np.arange(1 << 16, dtype="<u2").view(np.uint8).reshape(-1, 2))
+
+    def __call__(self, flat: Payloads, places: Rows) -> Rows:
+        """intp[m], at least that of a payload where all that is left is the value."""
+        size = self.run.size
+        if size == 2:
+            return self._of_two.take(_everywhere(flat, "<u2")[places])
+        return self._sizes(_everywhere(flat, f"V{size}")[places].view(np.uint8).reshape(-1, size))
+
+    def _sizes(self, heads: Payloads) -> Rows:
+        found = {place.field.id: _codes(reader(place)(heads, None)) for place in self._places}
+        # Without a key it is the last one that is taken.
+        told = self._told.take(found[self._key.id] if self._key else np.full(len(heads), -1))
+        if self._length is None:
+            return told
+        length, overhead = found[self._length.id], self._length.overhead
+        return np.where(length >= overhead, length - overhead, np.where(length < 0, told, scalar.EVERYTHING))
+
+
+def _behind_run(size: int, flat: Payloads, at: Rows, end: Rows) -> Rows:
+    return at + size
+
+
+def _behind_lau(flat: Payloads, at: Rows, end: Rows) -> Rows:
+    behind = at + np.maximum(flat.take(np.minimum(at, end)), 2)
+    return np.where(end < at + 2, end, behind)
+
+
+def _behind_lz(flat: Payloads, at: Rows, end: Rows) -> Rows:
+    behind = at + flat.take(np.minimum(at, end)) + 2
+    return np.where(end <= at, at, behind)
+
+
+def _behind_value(sizes: "_ValueSizes", flat: Payloads, at: Rows, end: Rows) -> Rows:
+    """Behind the value that the run before it announces; where that is cut short, there is none."""
+    size = sizes(flat, at - sizes.run.size)
+    size += at
+    return np.maximum(np.minimum(size, end, out=size), at, out=size)
 
 
 def _joined(definition: Definition, group: Group, steps: Sequence[tuple[Rows, dict[str, AnyColumn]]]) -> Items:
@@ -410,162 +527,43 @@ def _nothing(field: Field) -> Column:
     """A column without rows, of the type that the values of a field are kept in."""
     if field.bits is None or field.length:
         return Column(field, np.empty(0, object))
-    return _column(Place(field, kind(field), 0), np.zeros((0, -(-field.bits // 8)), np.uint8), None)
-
-
-# Fields of fixed size ------------------------------------------------------------------------------
-
-
-def _run_columns(run: Run, block: Payloads, have: Rows | None) -> dict[str, Column]:
-    return {place.field.id: _column(place, block, have) for place in run.values}
-
-
-def _column(place: Place, block: Payloads, have: Rows | None) -> Column:
-    """The values of one field of a run; `have` says how many bytes each row has, None that all have all."""
-    field = place.field
-    if field.match is not None:
-        return Column(field, np.broadcast_to(np.array(field.match, _unsigned(place.bits)), len(block)))
-    if isinstance(place.kind, Octets):
-        part = block[:, place.first : place.first + place.bits // 8]
-        return Column(field, part, None, None if have is None else np.clip(have - place.first, 0, part.shape[1]))
-    if isinstance(place.kind, Ascii):
-        return Column(field, _texts(place, block, have))
-    short = None if have is None else 8 * have < place.need
-    if short is not None and not short.any():
-        short = None
-    raw = _raw(place, block)
-    match place.kind:
-        case Ranged() as number:
-            return _numbers(field, number, raw, short)
-        case Choice() as choice:
-            return _whole(field, raw, _either(short, raw > choice.highest if choice.highest < choice.ones else None))
-        case Real(resolution=resolution):
-            return Column(field, _finite(raw, short) * float(resolution))
-        case Decimal():
-            return _decimals(field, place.bits // 8, raw, short)
-        case OddOctets():
-            parts = raw.view(np.uint8).reshape(len(raw), -1)[:, : -(-place.bits // 8)]
-            return _whole(field, parts, short)
-    return _whole(field, raw, short)
-
-
-def _raw(place: Place, block: Payloads) -> Array:
-    """The raw values, cut from the smallest word that covers the field, in the smallest type that holds them."""
-    bits, signed = place.bits, isinstance(place.kind, Number) and place.kind.signed
-    last = -(-(place.offset + bits) // 8)
-    if block.shape[1] < last:
-        block = np.pad(block, ((0, 0), (0, last - block.shape[1])))
-    size = next(width for width in WIDTHS if width >= last - place.first)
-    first = min(place.first, block.shape[1] - size)
-    if first < 0:
-        block, first = np.pad(block, ((0, 0), (0, size - block.shape[1]))), 0
-    shift, spare = place.offset - 8 * first, 8 * size - bits
-    if block.strides[1] != 1:
-        block = np.ascontiguousarray(block)
-    word = block[:, first : first + size].view(f"<u{size}")[:, 0]
-    if not spare:
-        return np.ascontiguousarray(word.view(f"<i{size}") if signed else word)
-    if signed:
-        raw: Array = (word << spare - shift).view(f"<i{size}") >> spare
-        return raw.astype(f"<i{_bytes_for(bits)}", copy=False)
-    raw = word >> shift & (1 << bits) - 1
-    return raw.astype(_unsigned(bits), copy=False)
-
-
-def _bytes_for(bits: int) -> int:
-    return next(width for width in WIDTHS if 8 * width >= bits)
-
-
-def _unsigned(bits: int) -> str:
-    return f"<u{_bytes_for(bits)}"
-
-
-def _numbers(field: Field, number: Ranged, raw: Array, short: Mask | None) -> Column:
-    invalid = _either(short, _outside(number, raw))
-    if number.integral:
-        if number.resolution != 1 or number.offset:
-            raw = raw.astype(np.int64) * int(number.resolution) + int(number.offset)
-        return _whole(field, raw, invalid)
-    values = np.empty(len(raw))
-    if number.shift is not None:
-        raw = raw.astype(np.int64) + number.shift
-    if number.inverse is not None:
-        np.divide(raw, float(number.inverse), out=values, dtype=np.float64)
-    else:
-        np.multiply(raw, float(number.resolution), out=values, dtype=np.float64)
-    if number.offset and number.shift is None:
-        values += number.offset
-    if invalid is not None:
-        values[invalid] = np.nan
-    return Column(field, values)
-
-
-def _outside(number: Number, raw: Array) -> Mask | None:
-    """The rows with a raw value that is none; None if there are none."""
-    lowest, highest = number.range
-    limits = np.iinfo(raw.dtype)
-    above = raw > highest if highest < limits.max else None
-    below = raw < lowest if lowest > limits.min else None
-    return _either(
-        above if above is not None and above.any() else None, below if below is not None and below.any() else None
-    )
+    return reader(Place(field, kind(field), 0))(np.zeros((0, -(-field.bits // 8)), np.uint8), None)
 
 
 def _whole_numbers(field: Field, values: list[Any]) -> Column:
     """What was read one by one, in the type that all values of the field have."""
     kept = _nothing(field).values.dtype
     if kept.kind == "O":
-        return Column(field, _objects(values))
+        return Column(field, objects(values))
     missing = np.array([value is None for value in values], np.bool_)
-    return _whole(field, np.array([value or 0 for value in values], kept), missing)
-
-
-def _either(one: Mask | None, other: Mask | None) -> Mask | None:
-    return other if one is None else one if other is None else one | other
-
-
-def _whole(field: Field, values: Array, invalid: Mask | None) -> Column:
-    return Column(field, values, None if invalid is None or not invalid.any() else ~invalid)
-
-
-def _finite(raw: Array, short: Mask | None) -> Array:
-    with np.errstate(invalid="ignore"):  # signalling NaN
-        values = raw.view("<f4").astype(np.float64)
-    values[~np.isfinite(values) if short is None else ~np.isfinite(values) | short] = np.nan
-    return values
-
-
-def _decimals(field: Field, size: int, raw: Array, short: Mask | None) -> Column:
-    values, invalid = np.zeros(len(raw), np.int64), short
-    for place in range(size):
-        byte = (raw >> np.uint64(8 * place) & np.uint64(255)).astype(np.int64)
-        values = 100 * values + byte
-        invalid = _either(invalid, byte > 99)
-    return _whole(field, values, invalid)
-
-
-def _texts(place: Place, block: Payloads, have: Rows | None) -> Array:
-    """Text: what there is of it."""
-    part = block[:, place.first : place.first + place.bits // 8]
-    sizes = np.full(len(block), part.shape[1]) if have is None else np.clip(have - place.first, 0, part.shape[1])
-    found = _bytes(part, sizes)
-    known = {raw: scalar.text(raw) for raw in set(found)}
-    return _objects([known[raw] for raw in found])
+    return Column(field, np.array([value or 0 for value in values], kept), ~missing if missing.any() else None)
 
 
 # Rows ----------------------------------------------------------------------------------------------
 
 
-def _bytes(payloads: Payloads, lengths: Rows) -> list[bytes]:
-    data, width = payloads.tobytes(), payloads.shape[1]
-    starts = range(0, len(payloads) * width, width) if width else [0] * len(payloads)
-    return [data[start : start + length] for start, length in zip(starts, lengths.tolist(), strict=True)]
+def _kinds(key: AnyColumn | None, length: AnyColumn | None, rows: int) -> Array:
+    """A number for each key and length, of 16 bits if they are enough: those are sorted fastest."""
+    kinds, bits = np.zeros(rows, np.uint16), 0
+    for column in (key, length):
+        if column is None:
+            continue
+        bits += column.field.bits or 0
+        if column.valid is not None or bits > 16:
+            codes = _codes(key) if key else np.full(rows, -1)
+            together = codes << 32 | (_codes(length) if length else codes) + 1
+            dense: Array = np.unique(together, return_inverse=True)[1]
+            return dense
+        kinds <<= np.uint16(column.field.bits or 0)
+        kinds |= column.values.astype(np.uint16)
+    return kinds
 
 
-def _objects(values: Sequence[Any]) -> Array:
-    made = np.empty(len(values), object)
-    made[:] = values
-    return made
+def _code(column: AnyColumn | None, row: int) -> int | None:
+    """The whole number of a row."""
+    if column is None or (column.valid is not None and not column.valid[row]):
+        return None
+    return int(column.values[row])
 
 
 def _valid(column: AnyColumn) -> Mask:
@@ -595,7 +593,7 @@ def listed(column: AnyColumn) -> list[Any]:
 
 
 def _listed_bytes(column: AnyColumn) -> list[bytes | None]:
-    found = _bytes(np.ascontiguousarray(column.values), _sizes(column))
+    found = pieces(np.ascontiguousarray(column.values), _sizes(column))
     return [one if one and valid else None for one, valid in zip(found, _valid(column).tolist(), strict=True)]
 
 

@@ -6,7 +6,7 @@ from timonel.core.frame import Frame
 from timonel.core.message import Message
 from timonel.nmea2000.fastpacket import fragment
 from timonel.nmea2000.identifier import GLOBAL, join
-from timonel.nmea2000.registry import is_fast, priority
+from timonel.nmea2000.schedule import is_fast, priority
 
 
 class Outgoing(msgspec.Struct, frozen=True, gc=False):

@@ -7,16 +7,11 @@ Source: Actisense SDK, `nmea2000-type-A.md`. The time has no date: it counts fro
 goes on.
 """
 
-import re
 from collections.abc import Sequence
 
+from timonel.nmea2000.text import N2K_ASCII
 from timonel.recording.lines import Kind, LogFrame, TimeOfDay, is_comment
 from timonel.recording.messages import message
-
-_LINE = re.compile(
-    r"A(\d\d)(\d\d)(\d\d(?:\.\d+)?) ([0-9A-F]{2})([0-9A-F]{2})([0-9A-F]) ([0-9A-F]{5}) ((?:[0-9A-F]{2})+)\s*",
-    re.IGNORECASE,
-)
 
 
 class ActisenseAscii:
@@ -31,7 +26,7 @@ class ActisenseAscii:
 
     def read(self, line: str) -> LogFrame | None:
         """A message; None for a comment or a gateway's own PGN. ValueError for any other line."""
-        match = _LINE.fullmatch(line)
+        match = N2K_ASCII.fullmatch(line)
         if match is None:
             if is_comment(line):
                 return None

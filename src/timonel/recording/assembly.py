@@ -20,19 +20,15 @@ import numpy.typing as npt
 from timonel.nmea2000.catalogue import is_fast
 from timonel.nmea2000.fastpacket import FastPacketCounters
 from timonel.nmea2000.identifier import GLOBAL
-from timonel.recording.fast_packets import Arrivals, FastPackets
-from timonel.recording.frames import EXTENDED, NO_STAMP, WHOLE, Bytes, Frames, Identifiers, Rows, Stamps
-from timonel.recording.part import STANDARD, Lengths, Part, Payloads, merged, stretches
+from timonel.recording.fast_packets import FastPackets
+from timonel.recording.frames import EXTENDED, NO_STAMP, SIXTEEN, WHOLE, Bytes, Frames, Identifiers, Rows, Stamps
+from timonel.recording.part import STANDARD, Lengths, Part, Payloads, by_key, merged, stretches
 
 PACE = 1_000_000
 """ns from frame to frame where a recording has no times."""
 
-BLOCK = 1 << 18
-"""Frames at a time, so that what they are gathered from stays in the processor's cache."""
-
 _PDU1 = 0xF000
 _WHOLE = WHOLE << 40  # in the first word of a row
-_SIXTEEN = np.dtype("<c16")  # any type of as many bytes, which NumPy moves in one piece
 
 Octets = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.intp]
@@ -99,27 +95,24 @@ class Assembly:
     def receive(self, frames: Frames) -> list[Group]:
         """The messages that these frames complete, by PGN, then by standard identifier."""
         parts: dict[int, list[Part]] = {}
-        for start in range(0, len(frames), BLOCK):
-            for channel, some in _by_channel(self._block(frames[start : start + BLOCK], start)).items():
-                parts.setdefault(channel, []).append(merged(some))
+        for part in self._parts(frames):
+            parts.setdefault(part.channel, []).append(part)
         groups = [self._group(merged(parts[channel]), frames.stamp) for channel in sorted(parts)]
         self.frames += len(frames)
         return groups
 
-    def _block(self, frames: Frames, start: int) -> list[Part]:
-        words = frames.rows.view("<u8").reshape(-1, 2)
-        head = words[:, 0].copy()
+    def _parts(self, frames: Frames) -> list[Part]:
+        head = frames.rows.view("<u8").reshape(-1, 2)[:, 0].copy()
         codes = self._kinds.codes.take(_places(head))
         parts = []
         if np.bitwise_or.reduce(head) & _WHOLE:
             whole = (head & _WHOLE != 0) & (codes != 0)
-            parts += _whole(frames, np.flatnonzero(whole), codes, self._kinds.channels, start)
+            parts += _whole(frames, np.flatnonzero(whole), codes, self._kinds.channels)
             codes[whole] = 0
         fast = np.flatnonzero(codes >= self._kinds.fast)
-        parts += self._fast_packets.receive(_arrivals(words, head, self._times(frames.stamp), fast, start))
+        parts += self._fast_packets.receive(frames.rows, self._times(frames.stamp), fast)
         single = np.flatnonzero(codes - np.uint16(1) < self._kinds.fast - 1)
-        parts += _single(frames.rows, single, codes, self._kinds.channels, start)
-        return parts
+        return parts + _single(frames.rows, single, codes, self._kinds.channels)
 
     def _times(self, stamp: Stamps) -> Stamps:
         """The stamps, and times for what has none."""
@@ -138,13 +131,6 @@ class Assembly:
         pgn, frame = (None, part.channel - STANDARD) if standard else (part.channel, None)
         row = part.row + self.frames
         return Group(pgn, frame, row, stamp.take(part.row), part.identifier, part.payloads, part.lengths)
-
-
-def _by_channel(parts: list[Part]) -> dict[int, list[Part]]:
-    found: dict[int, list[Part]] = {}
-    for part in parts:
-        found.setdefault(part.channel, []).append(part)
-    return found
 
 
 class _Kinds(msgspec.Struct, frozen=True):
@@ -188,31 +174,20 @@ def _places(head: Words) -> Ints:
     return places.view(np.intp)
 
 
-def _arrivals(words: Words, head: Words, now: Stamps, row: Ints, start: int) -> Arrivals:
-    found = head.take(row)
-    identifier = found.astype(np.uint32) & np.uint32(EXTENDED - 1)
-    return Arrivals(
-        row + start, now.take(row), identifier, (found >> 32).astype(np.uint8), words[:, 1].copy().take(row)
-    )
-
-
-def _single(rows: Rows, row: Ints, codes: Codes, channels: list[int], first: int) -> list[Part]:
+def _single(rows: Rows, row: Ints, codes: Codes, channels: list[int]) -> list[Part]:
     """Frames that are messages."""
-    codes = codes.take(row)
-    order = np.argsort(codes, kind="stable")
-    # First those that are wanted, then in their order: so little is gathered that it is in the processor's cache.
-    sorted_rows = rows.view(_SIXTEEN).take(row).take(order).view(rows.dtype)
-    row, codes = row.take(order) + first, codes.take(order)
+    ordered, row = by_key(codes.take(row), row)
+    sorted_rows = rows.view(SIXTEEN).take(row).view(rows.dtype)
     identifier = sorted_rows["identifier"] & np.uint32(EXTENDED - 1)
     length = sorted_rows["length"].astype(np.intp)
     data = sorted_rows["data"]
     return [
-        Part(channels[codes[start]], row[start:end], identifier[start:end], data[start:end], length[start:end])
-        for start, end in stretches(codes)
+        Part(channels[ordered[start]], row[start:end], identifier[start:end], data[start:end], length[start:end])
+        for start, end in stretches(ordered)
     ]
 
 
-def _whole(frames: Frames, row: Ints, codes: Codes, channels: list[int], first: int) -> list[Part]:
+def _whole(frames: Frames, row: Ints, codes: Codes, channels: list[int]) -> list[Part]:
     """Messages that the recorder had put together."""
     order = row[np.argsort(codes[row], kind="stable")]
     parts = []
@@ -221,7 +196,7 @@ def _whole(frames: Frames, row: Ints, codes: Codes, channels: list[int], first: 
         identifier = frames.identifier[same] & np.uint32(EXTENDED - 1)
         length = frames.length[same].astype(np.intp)
         payloads = _spilled(frames.data[same], length, frames.spill)
-        parts.append(Part(channels[codes[same[0]]], same + first, identifier, payloads, length))
+        parts.append(Part(channels[codes[same[0]]], same, identifier, payloads, length))
     return parts
 
 

@@ -12,16 +12,14 @@ import re
 from collections.abc import Sequence
 from itertools import pairwise
 
+from timonel.nmea2000.text import CANDUMP
 from timonel.recording.lines import DateTime, Kind, LogFrame, is_comment, moment
 
 _ERROR = 0x20000000  # CAN_ERR_FLAG
 _A_DAY = 86400.0
+_MOST_IDENTIFIERS = 4096
 _A_DATE = 1e8  # s: a smaller time, before 1973, counts from the start of something
 
-# Runs once a line: no IGNORECASE, no group that repeats. Ten digits of seconds are enough until 2286.
-_LOGGED = re.compile(
-    r"\((\d{1,10}\.\d+)\)\s+\S+\s+([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#([0-9A-Fa-f]{0,16}|R\d?)(?: [RT])?\s*"
-)
 _PRINTED = re.compile(
     r"\s*(?:\(([^)]+)\)\s+)?[\w.-]+\s+(?:[RT]X\s+\S+\s+\S+\s+)?([0-9A-F]{3}|[0-9A-F]{8})\s+\[(\d)\]\s*(.*)",
     re.IGNORECASE,
@@ -40,17 +38,45 @@ class Candump:
         self._date_time = DateTime()
         self._deltas = _are_deltas(sample)
         self._elapsed = 0.0
+        self._second, self._microseconds = "", 0
+        self._identifiers: dict[str, tuple[int, bool]] = {}
         self.dated = any(_is_date(match[1]) for match in map(_STAMP.match, sample) if match)
 
     def read(self, line: str) -> LogFrame | None:
         """A frame; None for a comment, a remote request or an error frame. ValueError for any other line."""
-        match = _LOGGED.fullmatch(line)
+        # Once a line: what was read before, the second and what stands between the time and the data, is not read
+        # anew. The quotient is the number that `float` makes of the digits.
+        head, mark, data = line.partition("#")
+        known, fraction = self._identifiers.get(head[18:]), head[12:18]
+        if mark and known is not None and head[:12] == self._second and fraction.isdecimal() and len(data) <= 16:
+            try:
+                payload = bytes.fromhex(data)
+            except ValueError:
+                return self._any(line)
+            if 2 * len(payload) == len(data):
+                return LogFrame((self._microseconds + int(fraction)) / 1e6, known[0], payload, known[1])
+        return self._any(line)
+
+    def _any(self, line: str) -> LogFrame | None:
+        match = CANDUMP.fullmatch(line)
         if match is not None:
             stamp, identifier, data = match.groups()
-            return _frame(float(stamp), identifier, data)
+            frame = _frame(float(stamp), identifier, data)
+            if frame is not None and match.end(1) == 18:
+                self._remember(line, frame)
+            return frame
         if is_comment(line):
             return None
         return self._printed(line)
+
+    def _remember(self, line: str, frame: LogFrame) -> None:
+        """`(1669809600.` and `) can0 0DF11917` of a line."""
+        if line[11] != ".":
+            return
+        if len(self._identifiers) == _MOST_IDENTIFIERS:
+            self._identifiers.clear()
+        self._second, self._microseconds = line[:12], int(line[1:11]) * 1_000_000
+        self._identifiers[line[18 : line.index("#")]] = frame.identifier, frame.extended
 
     def _printed(self, line: str) -> LogFrame | None:
         match = _PRINTED.fullmatch(line)
@@ -92,6 +118,7 @@ def _is_date(stamp: str) -> bool:
 
 def _are_deltas(sample: Sequence[str]) -> bool:
     """Times that go back within the first day can only count from the line before."""
-    stamps = [match[1] for match in map(_PRINTED.fullmatch, sample) if match and match[1] and ":" not in match[1]]
+    printed = map(_PRINTED.fullmatch, (line for line in sample if "[" in line))
+    stamps = [match[1] for match in printed if match and match[1] and ":" not in match[1]]
     times = [float(stamp) for stamp in stamps if _SECONDS.fullmatch(stamp)]
     return max(times, default=0.0) < _A_DAY and any(later < earlier for earlier, later in pairwise(times))

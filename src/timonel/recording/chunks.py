@@ -67,7 +67,7 @@ def _candump(log: LogReader, size: int) -> Iterator[Frames]:
             yield from _accepted(log, lines.finish())
 
     text = CandumpText(others, size)
-    for portion in _portions(log):
+    for portion in log.portions():
         yield from text.receive(portion)
     yield from text.finish()
     for found in log.damage():

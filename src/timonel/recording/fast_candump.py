@@ -38,39 +38,49 @@ class CandumpText:
         self._size = size
         self._parser = Parser()
         self._line = 0
-        self._rest = b""
+        self._parts: list[bytes] = []
+        self._waiting = 0
+        self._enough = BLOCK * ROW
         self._room = empty(size + BLOCK)
         self._filled = 0
 
     def receive(self, data: bytes) -> Iterator[Frames]:
-        """The chunks that `data`, the next of the text, completes; a megabyte at a time is quick."""
-        text = b"".join((self._rest, data, _PADDING))
-        end = text.rfind(b"\n") + 1
-        self._rest = text[end:-ROW]
-        yield from self._read(text, end)
-        if len(self._rest) > LONGEST_LINE:
-            line, self._rest = self._rest[:LONGEST_LINE] + b"\n", b""
-            self._single(line, 1)
+        """The chunks that `data`, the next of the text, completes."""
+        self._parts.append(data)
+        self._waiting += len(data)
+        if self._waiting >= self._enough:
+            yield from self._read(self._enough)
 
     def finish(self) -> Iterator[Frames]:
         """What is left at the end of the text."""
-        if self._rest:
-            self._single(self._rest, 1, last=True)
+        yield from self._read(0)
+        if self._waiting:
+            self._single(self._parts[0], 1, last=True)
         if self._filled:
             yield self._chunk()
 
-    def _read(self, lines: bytes, end: int) -> Iterator[Frames]:
+    def _read(self, enough: int) -> Iterator[Frames]:
+        """Read the whole lines of what is waiting, as long as these are `enough` bytes: whole blocks are quickest."""
+        lines = b"".join((*self._parts, _PADDING))
+        behind = len(lines) - ROW
+        end = lines.rfind(b"\n", 0, behind) + 1
+        too_long = behind - end > LONGEST_LINE
         text = np.frombuffer(lines, np.uint8)
         at = 0
-        while at < end:
+        while at < end and (too_long or end - at >= enough):
             first = SHAPE.match(lines, at)
             at += self._some(first, text[at:], end - at) if first else self._irregular(lines, at, end)
             if self._filled >= self._size:
                 yield self._chunk()
+        if too_long:
+            self._single(lines[end : end + LONGEST_LINE] + b"\n", 1)
+            at = behind
+        self._parts, self._waiting = [lines[at:behind]], behind - at
 
     def _some(self, first: re.Match[bytes], text: Bytes, end: int) -> int:
         """Read some lines of `text[:end]`, whose first is of a shape; how many bytes they have."""
         shape = Shape(first[1], len(first[2]))
+        self._enough = BLOCK * (first.end() - first.start())
         alike = equal_lines(text, end, first.end() - first.start())
         if alike.count == min(BLOCK, end // alike.stride):
             return self._equal(alike, shape)

@@ -21,8 +21,8 @@ import numpy.typing as npt
 
 from timonel.nmea2000.fastpacket import LONGEST, FastPacketCounters, Reassembler
 from timonel.nmea2000.identifier import split
-from timonel.recording.frames import Identifiers
-from timonel.recording.part import Part, of_messages, pgns_of, stretches
+from timonel.recording.frames import EXTENDED, SIXTEEN, Identifiers, Rows, Stamps
+from timonel.recording.part import Part, by_key, of_messages, pgns_of, stretches, windows
 
 MAX_AGE = 250_000_000
 MAX_GAP = 100_000_000
@@ -33,6 +33,7 @@ FIRST = 0x1ED00
 
 _STREAM = 0x3FFFFFF  # an identifier without its priority
 _NEW = 0xFFFF
+_STEP = 64
 _KEYS = 1 << 13  # streams whose slots fit in 16 bits, which are sorted fastest
 
 Ints = npt.NDArray[np.intp]
@@ -41,16 +42,29 @@ Words = npt.NDArray[np.uint64]
 
 
 class Arrivals(msgspec.Struct, frozen=True, eq=False, gc=False):
-    """Frames of fast packets in the order in which they came; `data` has the first byte lowest."""
+    """Frames of fast packets: `head` of their rows, and `data` with the first byte lowest."""
 
     row: Ints  # place in the chunk
-    now: npt.NDArray[np.int64]  # ns
-    identifier: Identifiers
-    length: npt.NDArray[np.uint8]
+    now: Stamps  # ns
+    head: Words
     data: Words
 
-    def __getitem__(self, which: Ints) -> "Arrivals":
-        return Arrivals(*(column.take(which) for column in msgspec.structs.astuple(self)))
+    @property
+    def identifier(self) -> Identifiers:
+        return _identifiers(self.head)
+
+    @property
+    def length(self) -> npt.NDArray[np.uint8]:
+        return (self.head >> 32).astype(np.uint8)
+
+
+def _arrivals(rows: Rows, now: Stamps, row: Ints) -> Arrivals:
+    found = rows.view(SIXTEEN).take(row).view("<u8").reshape(-1, 2)
+    return Arrivals(row, now.take(row), found[:, 0].copy(), found[:, 1].copy())
+
+
+def _identifiers(head: Words) -> Identifiers:
+    return head.astype(np.uint32) & np.uint32(EXTENDED - 1)
 
 
 class FastPackets:
@@ -67,22 +81,27 @@ class FastPackets:
     def counters(self) -> FastPacketCounters:
         return self._reassembler.counters
 
-    def receive(self, frames: Arrivals) -> list[Part]:
-        """The messages that these frames complete; a part is of one PGN."""
-        streams = self._streams_of(frames.identifier)
-        if streams is None or not frames.length.all():
-            return self._one_by_one(frames)
-        key = streams << np.uint16(3)
-        key |= frames.data.view(np.uint8)[::8] >> 5
-        order = np.argsort(key, kind="stable")
-        runs = _runs(frames, order, key.take(order))
+    def receive(self, rows: Rows, now: Stamps, row: Ints) -> list[Part]:
+        """The messages that some rows of a chunk complete; `now` is a time for each row of the chunk, in ns.
+
+        A part is of one PGN.
+        """
+        octets = rows.view(np.uint8).reshape(-1, 16)
+        streams = self._streams_of(rows["identifier"][row])
+        if streams is None or not octets[:, 4][row].all():
+            return self._one_by_one(_arrivals(rows, now, row))
+        streams <<= np.uint16(3)
+        streams |= octets[:, 8][row] >> 5
+        key, row = by_key(streams, row)
+        frames = _arrivals(rows, now, row)
+        runs = _runs(frames, key)
         dirty = self._dirty(runs)
-        if self._crowded(runs, dirty, order):
-            return self._one_by_one(frames)
+        if self._crowded(runs, dirty, row):
+            return self._one_by_one(_arrivals(rows, now, np.sort(row)))
         plain = np.flatnonzero(~dirty)
         self.counters.completed += len(plain)
-        others = np.sort(order[np.repeat(dirty, runs.count)])
-        return self._one_by_one(frames[others]) + _plain(frames, order, runs, plain)
+        others = np.sort(row[np.repeat(dirty, runs.count)])
+        return self._one_by_one(_arrivals(rows, now, others)) + _plain(frames, runs, plain)
 
     def _streams_of(self, identifier: Identifiers) -> npt.NDArray[np.uint16] | None:
         """A number from 1 for each source, destination and PGN; None if there are too many."""
@@ -113,17 +132,16 @@ class FastPackets:
         stop[1:] = np.maximum(stop[1:], np.where(runs.calm[:-1], place[:-1], -1))
         return np.maximum.accumulate(np.where(seed, place, -1)) > np.maximum.accumulate(stop)
 
-    def _crowded(self, runs: "_Runs", dirty: Flags, order: Ints) -> bool:
+    def _crowded(self, runs: "_Runs", dirty: Flags, row: Ints) -> bool:
         """Whether the Reassembler could have to give up a slot that is in use."""
         waiting = len(self._reassembler.slots)
         if waiting + np.count_nonzero(runs.new) <= self._max_slots:
             return False
-        on_the_way = np.zeros(len(order), np.int8)
         several = ~dirty & (runs.count > 1)
-        on_the_way[order[runs.start[several]]] = 1
-        on_the_way[order[runs.last[several]]] = -1
-        most = int(np.cumsum(on_the_way, dtype=np.int64).max())
-        return waiting + len(np.unique(runs.key[dirty])) + most > self._max_slots
+        # Looked at in steps of some rows, in which all that begin come before all that end: at least as many as are.
+        begin, end = (np.bincount(row[places[several]] // _STEP) for places in (runs.start, runs.last))
+        on_the_way = np.cumsum(begin) - np.cumsum(end)[: len(begin)] + end[: len(begin)]
+        return waiting + len(np.unique(runs.key[dirty])) + int(on_the_way.max(initial=0)) > self._max_slots
 
     def _one_by_one(self, frames: Arrivals) -> list[Part]:
         """Through the Reassembler, frame by frame."""
@@ -141,12 +159,11 @@ class FastPackets:
 
 
 class _Runs(msgspec.Struct, frozen=True, eq=False, gc=False):
-    """Frames of one slot, the first of which is frame 0 or the slot's first; `data` is sorted by slot."""
+    """Frames of one slot, the first of which is frame 0 or the slot's first."""
 
-    data: Words
     start: Ints
     count: Ints
-    key: npt.NDArray[np.uint16]
+    key: Words
     new: Flags  # it is the first of its slot
     whole: Flags  # it is a message, all frames in order and in time
     calm: Flags  # as well, and what was before it in the slot is older than a slot lives
@@ -156,9 +173,9 @@ class _Runs(msgspec.Struct, frozen=True, eq=False, gc=False):
         return self.start + self.count - 1
 
 
-def _runs(frames: Arrivals, order: Ints, key: npt.NDArray[np.uint16]) -> _Runs:
-    """The runs of frames; `key` is sorted already."""
-    data, now = frames.data.take(order), frames.now.take(order)
+def _runs(frames: Arrivals, key: Words) -> _Runs:
+    """The runs of frames, which are sorted by slot, as `key` is."""
+    data, now = frames.data, frames.now
     index = data.view(np.uint8)[::8] & 31
     new = np.ones(len(key), np.bool_)
     np.not_equal(key[1:], key[:-1], out=new[1:])
@@ -174,51 +191,39 @@ def _runs(frames: Arrivals, order: Ints, key: npt.NDArray[np.uint16]) -> _Runs:
     whole = (index[start] == 0) & (count == 1 + size // 7) & (size <= LONGEST)
     whole &= now[last] - now[start] < MAX_AGE
     whole[np.searchsorted(start, np.flatnonzero(wrong), "right") - 1] = False
-    if frames.length.min(initial=8) < 8:
-        length = frames.length.take(order)
+    length = frames.length
+    if length.min(initial=8) < 8:
         short = np.flatnonzero(length < 8)
         run = np.searchsorted(start, short, "right") - 1
         enough = (short == last[run]) & (7 * count[run] - 8 + length[short] > size[run])
         whole[run[~enough]] = False
     first = new[start]
-    return _Runs(data, start, count, key[start], first, whole, whole & ~first & (gap[start] > MAX_GAP))
+    return _Runs(start, count, key[start], first, whole, whole & ~first & (gap[start] > MAX_GAP))
 
 
-def _plain(frames: Arrivals, order: Ints, runs: _Runs, plain: Ints) -> list[Part]:
-    """The messages of plain runs: sorted by PGN, then number of frames, then the row of their last frame."""
-    plain = plain.take(_rising(order.take(runs.last[plain]), len(order)))
-    plain = plain[np.argsort(runs.count[plain].astype(np.uint8), kind="stable")]
-    pgn = pgns_of(frames.identifier.take(order.take(runs.last[plain])))
-    by_pgn = np.argsort(pgn.astype(np.uint16), kind="stable")  # of fast packets the highest bits are the same
-    plain, pgn = plain.take(by_pgn), pgn.take(by_pgn)
-    begin, count, last = runs.start[plain], runs.count[plain], order.take(runs.last[plain])
-    carried, row, identifier = _joined(runs.data, begin, count), frames.row.take(last), frames.identifier.take(last)
-    size = (runs.data[begin] >> 8 & 0xFF).view(np.intp)
-    end = 7 * np.cumsum(count)
+def _plain(frames: Arrivals, runs: _Runs, plain: Ints) -> list[Part]:
+    """The messages of plain runs: sorted by PGN, then the row of their last frame."""
+    last = runs.last[plain]
+    row, identifier = frames.row.take(last), _identifiers(frames.head.take(last))
+    pgn = pgns_of(identifier).astype(np.uint64)
+    order = np.argsort(pgn << 32 | row.view(np.uint64))
+    plain, pgn, row, identifier = plain.take(order), pgn.take(order), row.take(order), identifier.take(order)
+    carried, begin, count = _carried(frames.data), runs.start[plain], runs.count[plain]
+    size = (frames.data.take(begin) >> 8 & 0xFF).view(np.intp)
+    begin = 7 * begin + 1
     parts = []
-    for start, stop in stretches(pgn.astype(np.intp) << 8 | count):
-        width = 7 * int(count[start])
-        payloads = carried[end[start] - width : end[stop - 1]].reshape(stop - start, width)[:, 1:]
+    for start, stop in stretches(pgn):
         some = slice(start, stop)
+        payloads = windows(carried, begin[some], 7 * int(count[some].max()) - 1)
         parts.append(Part(int(pgn[start]), row[some], identifier[some], payloads, size[some]))
     return parts
 
 
-def _rising(values: Ints, limit: int) -> Ints:
-    """Where the smallest of them is, the next ... All are below `limit`, and different: to sort would be slower."""
-    place = np.full(limit, -1, np.int32)
-    place[values] = np.arange(len(values), dtype=np.int32)
-    return place[place >= 0].astype(np.intp)
-
-
-def _joined(data: Words, begin: Ints, count: Ints) -> npt.NDArray[np.uint8]:
-    """What the `count` frames from each of `begin` on carry: a message's length, then the message, and so on.
+def _carried(data: Words) -> npt.NDArray[np.uint8]:
+    """What all frames carry behind their counters: of each run a message's length, then the message.
 
     Whole words are written, seven bytes apart in rising order: what one has too much, the next one overwrites.
     """
-    behind = np.cumsum(count)
-    total = int(behind[-1]) if len(behind) else 0
-    frame = np.repeat(begin - behind + count, count) + np.arange(total)
-    out = np.empty(7 * total + 1, np.uint8)
-    np.ndarray(total, "<u8", out, 0, (7,))[:] = data.take(frame) >> 8
-    return out[:-1]
+    out = np.zeros(7 * len(data) + LONGEST, np.uint8)
+    np.right_shift(data, 8, out=np.ndarray(len(data), "<u8", out, 0, (7,)))
+    return out

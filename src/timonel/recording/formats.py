@@ -184,7 +184,14 @@ def recognise(head: bytes) -> Opener:
         if form.recognises(head):
             return partial(_opened, form, head)
     lines = _lines(head)
-    score, _, best = max((_score(form, lines), -rank, form) for rank, form in enumerate(FORMATS))
+    sample = lines[:_SAMPLE]
+    score, best = (0, 0), FORMATS[0]
+    for lines_form in FORMATS:
+        found = _score(lines_form, sample)
+        if found > score:
+            score, best = found, lines_form
+        if found[0] == len(sample):
+            break  # no other one can read more
     if any(score):
         return lambda: Lines(best(lines))
     return _uart(head) or _nothing(lines)
@@ -270,7 +277,7 @@ def _score(form: type[LineFormat], sample: Sequence[str]) -> tuple[int, int]:
     """How many of the first lines have a record, and how many are the format's headings."""
     lines = form(sample)
     records = headings = 0
-    for line in sample[:_SAMPLE]:
+    for line in sample:
         try:
             record = lines.read(line)
         except ValueError:

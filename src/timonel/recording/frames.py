@@ -18,6 +18,8 @@ import numpy.typing as npt
 from timonel.recording.lines import LogFrame
 
 FRAME = np.dtype([("identifier", "<u4"), ("length", "u1"), ("flags", "u1"), ("", "V2"), ("data", "u1", (8,))])
+SIXTEEN = np.dtype("<c16")
+"""Any type of as many bytes as a row, which NumPy moves in one piece."""
 EXTENDED = 0x80000000
 WHOLE = 1
 NO_STAMP = -(1 << 63)

@@ -7,7 +7,7 @@ that parser, and its values put in their places. Needs the extra `columns`.
 from collections.abc import Callable, Sequence
 from datetime import date
 from enum import Enum
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import msgspec
@@ -17,11 +17,13 @@ import numpy.typing as npt
 from timonel.nmea0183 import fields
 from timonel.nmea0183.registry import parse
 from timonel.nmea0183.sentence import Sentence, layout
-from timonel.nmea0183.sentences import XDR
+from timonel.nmea0183.sentences import ALC, XDR
 from timonel.recording.decimals import Decimals, Flags, Places, Text, decimals
 
 Array = npt.NDArray[Any]
 _MODES = np.array(["", *filter(None, fields.VALID_MODES)], "S1")
+_LISTS = (ALC, XDR)
+"""Kinds with any number of fields: their sentences are read one by one."""
 _NUMBERS = (fields.Number, fields.Signed, fields.Position, fields.TimeOfDay, fields.Date, fields.Integer)
 
 
@@ -29,7 +31,7 @@ class Column(msgspec.Struct, frozen=True, eq=False, gc=False):
     """The values of an attribute, one a sentence.
 
     float64 with NaN, datetime64[D] with NaT, or bytes (letters and text, ISO 8859-1) with b"", where there is none;
-    bool and int64 with `valid` False where there is none; objects for measurements (XDR).
+    bool and int64 with `valid` False where there is none; objects for what stands in lists (ALC, XDR).
     """
 
     values: Array
@@ -39,7 +41,7 @@ class Column(msgspec.Struct, frozen=True, eq=False, gc=False):
         return Column(self.values[rows], None if self.valid is None else self.valid[rows])
 
 
-class Wires(msgspec.Struct, frozen=True, eq=False, gc=False):
+class Wires(msgspec.Struct, frozen=True, eq=False, dict=True):
     """Where the comma-separated fields of sentences stand: `begin` and `end` intp[fields, n] in `text`; where there is
     no such field, both are 0."""
 
@@ -47,10 +49,23 @@ class Wires(msgspec.Struct, frozen=True, eq=False, gc=False):
     begin: Places
     end: Places
 
-    def size(self, wire: int) -> Places:
-        """Characters of a field of each sentence."""
-        size: Places = self.end[wire] - self.begin[wire]
-        return size
+    @cached_property
+    def sizes(self) -> Places:
+        """intp[fields, n]: characters."""
+        sizes: Places = self.end - self.begin
+        return sizes
+
+    @cached_property
+    def ones(self) -> Flags:
+        """bool[fields, n]: where there is one character."""
+        ones: Flags = self.sizes == 1
+        return ones
+
+    @cached_property
+    def nothing(self) -> Flags:
+        """bool[fields, n]: where there is none."""
+        nothing: Flags = self.sizes == 0
+        return nothing
 
     def only(self, wire: int, letters: str) -> Flags:
         """Where a field is one of these letters."""
@@ -58,7 +73,7 @@ class Wires(msgspec.Struct, frozen=True, eq=False, gc=False):
         found: Flags = first == ord(letters[0])
         for letter in letters[1:]:
             found |= first == ord(letter)
-        found &= self.size(wire) == 1
+        found &= self.ones[wire]
         return found
 
 
@@ -71,7 +86,7 @@ class _Reading(msgspec.Struct, frozen=True, eq=False):
     """Sentences with a field that is not as usual."""
 
     def empty(self, wire: int) -> Flags:
-        empty: Flags = self.wires.size(wire) == 0
+        empty: Flags = self.wires.nothing[wire]
         return empty
 
     def need(self, usual: Flags) -> None:
@@ -86,8 +101,9 @@ def typed(
     `lines` gives some of the sentences, from `$` to the check sum.
     """
     count = wires.begin.shape[1]
-    if kind is XDR:
-        columns, odd = {"transducers": Column(np.full(count, None, object))}, np.ones(count, np.bool_)
+    if kind in _LISTS:
+        columns = {name: Column(np.full(count, None, object)) for name in kind.__struct_fields__}
+        odd = np.ones(count, np.bool_)
     else:
         columns, odd = _usual(kind, wires)
     malformed = np.zeros(count, np.bool_)
@@ -128,7 +144,7 @@ def _plan(kind: type[Sentence]) -> list[tuple[str, int, fields.Field]]:
 @cache
 def count_of_wires(kind: type[Sentence]) -> int:
     """How many comma-separated fields a kind has."""
-    return 0 if kind is XDR else sum(field.wires for field in layout(kind).values())
+    return 0 if kind in _LISTS else sum(field.wires for field in layout(kind).values())
 
 
 def _number(reading: _Reading, wire: int, field: Any) -> Column:
@@ -180,7 +196,7 @@ def _towards(reading: _Reading, wire: int, field: Any, values: Array, missing: F
 def _time_of_day(reading: _Reading, wire: int, field: Any) -> Column:
     number, empty = reading.numbers[wire], reading.empty(wire)
     places = np.maximum(number.places, 0).astype(np.int64)
-    whole = reading.wires.size(wire) - 1 - number.places == 6
+    whole = reading.wires.sizes[wire] - 1 - number.places == 6
     unit = 10**places
     clock, second = np.divmod(number.digits, 100 * unit)
     seconds = second / unit
@@ -199,7 +215,7 @@ def _date(reading: _Reading, wire: int, field: Any) -> Column:
     months = (year + np.where(year >= 80, 1900, 2000) - 1970) * 12 + month - 1
     first, following = ((months + step).astype("datetime64[M]").astype("datetime64[D]") for step in (0, 1))
     values = first + (day - 1)
-    six = (reading.wires.size(wire) == 6) & number.fine & (number.places < 0) & ~number.negative
+    six = (reading.wires.sizes[wire] == 6) & number.fine & (number.places < 0) & ~number.negative
     reading.need(six & (month >= 1) & (month <= 12) & (day >= 1) & (values < following) | empty)
     values[empty] = np.datetime64("NaT")
     return Column(values)
@@ -224,7 +240,7 @@ def _status(reading: _Reading, wire: int, field: Any) -> Column:
 
 
 def _text(reading: _Reading, wire: int, field: Any) -> Column:
-    begin, size = reading.wires.begin[wire], reading.wires.size(wire)
+    begin, size = reading.wires.begin[wire], reading.wires.sizes[wire]
     width = max(1, int(size.max(initial=0)))
     place = np.arange(width)
     there = place < size[:, None]

@@ -1,7 +1,7 @@
 """The lines of an NMEA 0183 log, and which of them are plain sentences. Needs the extra `columns`.
 
 Plain is a line from `$` or `!` to a right check sum, of printable characters. The check sum is the XOR of all
-characters before a place, taken at two places: one pass over the text for all lines.
+characters before a place, taken at two places: one pass over the text, eight characters at a time, for all lines.
 """
 
 from typing import Any
@@ -16,6 +16,7 @@ PADDING = bytes(LONGEST)
 """Stands before and behind the text, so that whole words can be read anywhere."""
 
 _COMMA, _LINE_FEED, _RETURN, _STAR = b",\n\r*"
+_FIRST = np.array([(1 << 8 * count) - 1 for count in range(8)], np.uint64)
 _DIGITS = np.full(256, 255, np.uint8)
 _DIGITS[list(b"0123456789ABCDEFabcdef")] = [*range(16), *range(10, 16)]
 
@@ -72,9 +73,8 @@ def plain(lines: LogLines) -> Flags:
     """Which lines are plain sentences."""
     text, begin, end = lines.text, lines.begin, lines.end
     lead = text.take(begin)
-    sums = np.bitwise_xor.accumulate(text)
     high, low = (_DIGITS.take(text.take(end - place)) for place in (2, 1))
-    value = sums.take(end - 4) ^ sums.take(begin)
+    value = _sums(text, begin + 1, np.maximum(end - 3, 0))
     fine: Flags = (lead == ord("$")) | (lead == ord("!"))
     fine &= text.take(end - 3) == _STAR
     fine &= (high | low) < 16
@@ -82,6 +82,23 @@ def plain(lines: LogLines) -> Flags:
     fine &= end - begin >= 4
     fine[_unprintable(lines)] = False
     return fine
+
+
+def _sums(text: Text, begin: Places, end: Places) -> npt.NDArray[np.uint8]:
+    """The XOR of the characters in `text[begin[i]:end[i]]`."""
+    words = text[: len(text) & ~7].view("<u8")
+    before = np.zeros(len(words) + 1, np.uint64)
+    np.bitwise_xor.accumulate(words, out=before[1:])
+    both = np.zeros(len(begin), np.uint64)
+    for place in (begin, end):
+        word = place >> 3
+        some = words.take(word)
+        some &= _FIRST.take(place & 7)
+        some ^= before.take(word)
+        both ^= some
+    for half in (32, 16, 8):
+        both ^= both >> half
+    return both.astype(np.uint8)
 
 
 def _unprintable(lines: LogLines) -> npt.NDArray[Any]:

@@ -17,7 +17,7 @@ from timonel.core.mistakes import did_you_mean
 from timonel.errors import RecordingError
 from timonel.nmea2000 import catalogue
 from timonel.nmea2000.catalogue import Definition, Field
-from timonel.nmea2000.catalogue_columns import Column
+from timonel.nmea2000.fixed_columns import Column
 from timonel.recording.decoding import Pass
 from timonel.recording.tables import Table, Tables
 from timonel.recording.wanted import Wanted, wanted

@@ -7,14 +7,10 @@ Source: YDWG-02 manual, appendix E. The time has no date: it counts from 1970-01
 on.
 """
 
-import re
 from collections.abc import Sequence
 
+from timonel.nmea2000.text import YDRAW
 from timonel.recording.lines import Kind, LogFrame, TimeOfDay, is_comment
-
-_LINE = re.compile(
-    r"(?:(\d\d):(\d\d):(\d\d(?:\.\d+)?) )?(?:[RT] )?([0-9A-F]{8})((?: [0-9A-F]{2}){0,8}) ?", re.IGNORECASE
-)
 
 
 class YachtDevicesRaw:
@@ -29,12 +25,12 @@ class YachtDevicesRaw:
 
     def read(self, line: str) -> LogFrame | None:
         """A frame; None for a comment. ValueError for any other line."""
-        match = _LINE.fullmatch(line)
+        match = YDRAW.fullmatch(line)
         if match is None:
             if is_comment(line):
                 return None
             raise ValueError("neither a comment nor a frame")
-        hours, minutes, seconds, identifier, data = match.groups()
+        hours, minutes, seconds, _, identifier, data = match.groups()
         number = int(identifier, 16)
         if number >> 29:
             raise ValueError("an identifier has 29 bits")

@@ -1,6 +1,7 @@
 """What the routes of the HTTP interface do: each takes a call and gives a reply."""
 
 import asyncio
+import hashlib
 from collections.abc import Mapping
 from typing import Annotated, Any
 
@@ -29,13 +30,18 @@ class Problem(Exception):
 
 
 class Call(msgspec.Struct, frozen=True):
-    """A request that may be made: of whom, and what it says. `body` is what the route declares."""
+    """A request that may be made: of whom, and what it says. `body` is what the route declares.
+
+    `path` is what stands in the places that the route leaves open, `host` by which name we were called.
+    """
 
     console: Console
     rights: Rights
     address: str
     query: Mapping[str, str]
     body: Any
+    path: Mapping[str, str] = {}
+    host: str = ""
 
 
 class Reply(msgspec.Struct, frozen=True):
@@ -102,12 +108,13 @@ class HistoryAnswer(msgspec.Struct, frozen=True):
 
 
 class About(msgspec.Struct, frozen=True):
-    """What this is, and whether a token is needed."""
+    """What this is, whether a token is needed, and the nearest zoom of the map tiles that it has, null for none."""
 
     name: str
     vehicle: str
     version: str
     token_needed: bool
+    tiles: int | None
 
 
 # Who you are ------------------------------------------------------------------------------------------------
@@ -116,7 +123,8 @@ class About(msgspec.Struct, frozen=True):
 async def about(call: Call) -> Reply:
     console = call.console
     feed = console.feed
-    return Reply(About(feed.name, feed.vehicle, __version__, not console.access.open))
+    nearest = None if console.tiles is None else console.tiles.nearest
+    return Reply(About(feed.name, feed.vehicle, __version__, not console.access.open, nearest))
 
 
 async def you(call: Call) -> Reply:
@@ -207,6 +215,22 @@ def _whole(query: Mapping[str, str], name: str, default: int, highest: int) -> i
     return int(text)
 
 
+async def tile(call: Call) -> Reply:
+    """A tile that there is not is nothing to complain of: nobody has the whole earth."""
+    tiles = call.console.tiles
+    found = None if tiles is None else await asyncio.to_thread(tiles.get, call.path["path"])
+    if found is None:
+        return Reply(status=204)
+    return Reply(
+        words=found,
+        headers={"Content-Type": "image/png", "Cache-Control": "private, max-age=86400", "ETag": _tag(found)},
+    )
+
+
+def _tag(words: bytes) -> str:
+    return f'"{hashlib.blake2b(words, digest_size=12).hexdigest()}"'
+
+
 # What is said -----------------------------------------------------------------------------------------------
 
 
@@ -219,11 +243,11 @@ async def command(call: Call) -> Reply:
     if station not in call.rights.stations:
         raise Problem(403, "not paired with this station")
     result = console.ports[station].carry_out(body.order)
-    verdict = result if isinstance(result, Verdict) else await _judged(result, body.order, console)
+    verdict = result if isinstance(result, Verdict) else await judged(result, body.order, console)
     return Reply(Answer(body.order.id, verdict.outcome, verdict.reason))
 
 
-async def _judged(judge: Judge, order: Order, console: Console) -> Verdict:
+async def judged(judge: Judge, order: Order, console: Console) -> Verdict:
     """How it ended; of a request for command, which takes as long as people do, that it waits."""
     while (verdict := judge(console.gateway.now)) is None:
         if isinstance(order, Command) and order.verb == "REQCMD":

@@ -9,6 +9,7 @@ the body              413, 415, 400
 
 import asyncio
 import gzip
+import re
 from collections.abc import Awaitable, Callable, Mapping, MutableMapping
 from typing import Any
 from urllib.parse import parse_qsl
@@ -16,11 +17,12 @@ from urllib.parse import parse_qsl
 import msgspec
 from starlette.websockets import WebSocket
 
-from timonel.web import openapi, socket
+from timonel.web import openapi, signalk_stream, socket
 from timonel.web.access import Headers, Least, Rights, TooManyFailures, headers_of
 from timonel.web.api import Call, ErrorText, Problem, Reply
 from timonel.web.console import Console
-from timonel.web.routes import FILES, OPENAPI, ROUTES, Route
+from timonel.web.routes import FILES, OPENAPI, ROUTES, SIGNALK, STREAM, Route
+from timonel.web.signalk_api import Failed
 from timonel.web.static import File, Files
 
 Scope = MutableMapping[str, Any]
@@ -30,8 +32,10 @@ Send = Callable[[Message], Awaitable[None]]
 
 BODY_MAX = 16_384  # bytes
 BODY_WITHIN = 10.0  # s
+QUERY_MAX = 20  # fields
 WORTH_PACKING = 2048  # bytes
-API = "/api/"
+APIS = ("/api/", f"{SIGNALK}/")
+OPEN = {"id": "[^/]+", "path": ".+"}  # what a route may leave open
 SECURITY = {
     "Content-Security-Policy": (
         "default-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; form-action 'self'; "
@@ -48,6 +52,11 @@ SECURITY = {
 _by_path: dict[str, dict[str, Route]] = {}
 for _route in ROUTES:
     _by_path.setdefault(_route.path, {})[_route.method] = _route
+_by_pattern = {
+    re.compile(re.sub(r"{(\w+)}", lambda match: f"(?P<{match[1]}>{OPEN[match[1]]})", path)): methods
+    for path, methods in _by_path.items()
+    if "{" in path and path != FILES
+}
 
 
 class App:
@@ -63,9 +72,10 @@ class App:
         try:
             reply = await self._serve(scope, receive, send)
         except Problem as problem:
-            reply = _problem(problem)
+            reply = _problem(problem, scope["path"])
         except TooManyFailures as fault:
-            reply = _problem(Problem(429, str(fault), {"Retry-After": str(int(fault.seconds) + 1)}))
+            told = Problem(429, str(fault), {"Retry-After": str(int(fault.seconds) + 1)})
+            reply = _problem(told, scope["path"])
         if reply is not None:
             await _answer(scope, reply, send)
 
@@ -79,14 +89,14 @@ class App:
             raise Problem(421, f'"{host[:100]}" is no name of this gateway; add it to hosts in [web]')
         is_socket = scope["type"] == "websocket"
         method = "SOCKET" if is_socket else scope["method"]
-        route = find(method, scope["path"])
+        route, open_places = find(method, scope["path"])
         if (is_socket or route.changes) and not access.is_from_us(headers):
             raise Problem(403, "not from a page of this gateway")
         rights = self._admitted(route, headers, address)
         if is_socket:
             scope[socket.RIGHTS] = rights
             scope.setdefault("extensions", {})
-            await socket.serve(self._console, WebSocket(scope, receive, send))
+            await self._talk(route, WebSocket(scope, receive, send))
             return None
         if route.path == FILES:
             return self._file(scope["path"], headers)
@@ -94,7 +104,15 @@ class App:
             return Reply(words=openapi.document())
         assert route.handle is not None
         body = await _body(route, headers, receive)
-        return await route.handle(Call(self._console, rights, address, _query(scope), body))
+        return await route.handle(Call(self._console, rights, address, _query(scope), body, open_places, host))
+
+    async def _talk(self, route: Route, stream: WebSocket) -> None:
+        if route.path != STREAM:
+            await socket.serve(self._console, stream)
+        elif self._console.signalk is None:
+            raise Problem(404, "there is no such page")
+        else:
+            await signalk_stream.serve(self._console, self._console.signalk, stream, _query(stream.scope))
 
     def _admitted(self, route: Route, headers: Headers, address: str) -> Rights:
         if route.least is Least.NOBODY and not route.changes:
@@ -113,18 +131,27 @@ class App:
         return _file_reply(file, headers)
 
 
-def find(method: str, path: str) -> Route:
-    """The route of a request. Raises Problem."""
-    methods = _by_path.get(path)
-    if methods is None:
-        if path.startswith(API):
-            raise Problem(404, "there is no such page")
-        methods = _by_path[FILES]
+def find(method: str, path: str) -> tuple[Route, dict[str, str]]:
+    """The route of a request, and what stands in its open places. Raises Problem."""
+    if path.startswith(SIGNALK):
+        path = path.rstrip("/")
+    methods, open_places = _methods(path)
     route = methods.get("GET" if method == "HEAD" else method)
     if route is None:
         allowed = ", ".join(each for each in methods if each != "SOCKET")
         raise Problem(405, f"not with {method[:20]}", {"Allow": allowed} if allowed else {})
-    return route
+    return route, open_places
+
+
+def _methods(path: str) -> tuple[dict[str, Route], dict[str, str]]:
+    if path in _by_path and "{" not in path:
+        return _by_path[path], {}
+    for pattern, methods in _by_pattern.items():
+        if match := pattern.fullmatch(path):
+            return methods, match.groupdict()
+    if path.startswith(APIS):
+        raise Problem(404, "there is no such page")
+    return _by_path[FILES], {}
 
 
 def _file_reply(file: File, headers: Headers) -> Reply:
@@ -143,7 +170,10 @@ def _takes_gzip(headers: Headers) -> bool:
 
 
 def _query(scope: Scope) -> dict[str, str]:
-    return dict(parse_qsl(scope["query_string"].decode("latin-1"), max_num_fields=20))
+    try:
+        return dict(parse_qsl(scope["query_string"].decode("latin-1"), max_num_fields=QUERY_MAX))
+    except ValueError:
+        raise Problem(400, f"more than {QUERY_MAX} fields in the query") from None
 
 
 async def _body(route: Route, headers: Headers, receive: Receive) -> Any:
@@ -177,8 +207,10 @@ async def _read(receive: Receive) -> bytes:
             return said
 
 
-def _problem(problem: Problem) -> Reply:
-    return Reply(ErrorText(problem.text), problem.status, problem.headers)
+def _problem(problem: Problem, path: str) -> Reply:
+    """As the interface that was asked says it."""
+    failed = Failed(problem.text, problem.status) if path.startswith(SIGNALK) else ErrorText(problem.text)
+    return Reply(failed, problem.status, problem.headers)
 
 
 async def _answer(scope: Scope, reply: Reply, send: Send) -> None:

@@ -6,12 +6,14 @@ from typing import Any
 
 from timonel.core.command import CommandTransfer
 from timonel.gateway.configuration import Configuration
+from timonel.gateway.devices import DeviceShown, roll
 from timonel.gateway.gateway import Gateway
 from timonel.nmea2000.lookups import HeadingReference, WindReference
 from timonel.vehicles.boat.pilot import Mode
 from timonel.vehicles.boat.truth import Datum, Heading
 from timonel.vehicles.boat.vehicle import Boat
 from timonel.web.messages import (
+    DeviceState,
     Direction,
     LinkState,
     Measured,
@@ -53,6 +55,7 @@ class BoatState(State):
         self._boat = boat
         self._age = boat.settings.max_age
         self._reference: Reference = boat.settings.heading_reference
+        self._devices: tuple[object, list[DeviceState]] = (None, [])
 
     @property
     def transfer(self) -> CommandTransfer:
@@ -76,6 +79,7 @@ class BoatState(State):
             "position": self._position(now),
             "utc": part(truth.clock, "unix", now, age),
             "variation": self._variation(now),
+            "devices": self._roll(),
         }
 
     def samples(self, topics: Mapping[str, Any]) -> dict[str, float | None]:
@@ -138,11 +142,36 @@ class BoatState(State):
         modelled = self._boat.truth.variation(now)
         return value if modelled is None else measured(modelled, self._boat.truth.position.heard, now, self._age)
 
+    def _roll(self) -> list[DeviceState]:
+        """Who is on the bus; put into words only when that has changed."""
+        boat = self._boat
+        known = (boat.devices.revision, boat.node.address, boat.node.name)
+        if self._devices[0] != known:
+            self._devices = (known, [device_state(device) for device in roll(boat.devices, 0.0, boat.node)])
+        return self._devices[1]
+
     def _links(self, now: float) -> list[LinkState]:
         fix = self._boat.truth.position
         connected = now - fix.heard < self._age
         since = None if fix.heard == float("-inf") or connected else seconds(fix.heard)
         return [*super()._links(now), LinkState("GNSS", "gnss", connected, "" if connected else "no position", since)]
+
+
+def device_state(device: DeviceShown) -> DeviceState:
+    """A device as the console shows it; what was described at time 0 was heard at minus its age."""
+    return DeviceState(
+        device.address,
+        device.name or "",
+        device.maker or "",
+        device.model,
+        device.software,
+        device.serial,
+        device.function or "",
+        device.instance or 0,
+        device.installation,
+        -(device.seconds or 0.0),
+        device.ours,
+    )
 
 
 def part(datum: Datum[Any], name: str, now: float, age: float) -> Measured:

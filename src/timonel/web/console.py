@@ -8,6 +8,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, Protocol
 
 from timonel.core.command import NOBODY
@@ -27,7 +28,9 @@ from timonel.web.pairing import Asked, Pairings
 from timonel.web.port import BoatPort, Port, RoverPort
 from timonel.web.rover import SAMPLES as ROVER_SAMPLES
 from timonel.web.rover import RoverState
+from timonel.web.signalk import SignalK
 from timonel.web.state import State
+from timonel.web.tiles import Tiles
 
 BOAT_PERIOD = 0.1  # s
 ROVER_PERIOD = 0.05  # s
@@ -65,6 +68,7 @@ class Console:
         self.access = Access(configuration.web, key, time.monotonic, time.time)
         self.pairings = Pairings(self._pairing_began, self._pairing_ended)
         self.clients: dict[int, Client] = {}
+        self.tiles = None if configuration.web.tiles is None else Tiles(Path(configuration.web.tiles))
         self.asking = Allowance(ASKING, ASKING_WINDOW)
         self.state, self.ports, kind = _vehicle(gateway, configuration)
         boat = kind == "boat"
@@ -73,6 +77,7 @@ class Console:
         self._period = BOAT_PERIOD if boat else ROVER_PERIOD
         self._sampled = float("-inf")
         self._spread_until = 0
+        self.signalk = SignalK(gateway, gateway.vehicle, configuration) if isinstance(gateway.vehicle, Boat) else None
         self._commander = NOBODY
         self._pressed = asyncio.Event()
         self._numbers = 0
@@ -100,6 +105,8 @@ class Console:
         if now >= self._sampled + PERIOD:
             self._sampled = now
             self.history.take(self.state.samples(self.state.topics(now)), now)
+        if self.signalk is not None:
+            self.signalk.look(now)
         if not self.clients:
             return
         for client in list(self.clients.values()):

@@ -4,6 +4,7 @@ import logging
 import os
 from pathlib import Path
 
+from timonel.gateway.places import state_directory
 from timonel.web.access import new_key
 
 LENGTH = 32
@@ -13,7 +14,7 @@ logger = logging.getLogger("timonel")
 
 def kept_key() -> bytes:
     """This computer's key; a new one that is forgotten at the end where it cannot be kept."""
-    path = directory() / "console.key"
+    path = state_directory() / "console.key"
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         if not path.exists():
@@ -26,15 +27,6 @@ def kept_key() -> bytes:
         logger.warning("%s: not a key of ours: consoles must be paired anew after a restart", path)
         return new_key()
     return key
-
-
-def directory() -> Path:
-    """Where it is kept: where systemd says (`StateDirectory=`), else in the user's own state."""
-    given = os.environ.get("STATE_DIRECTORY", "").partition(":")[0]
-    if given:
-        return Path(given)
-    home = os.environ.get("XDG_STATE_HOME")
-    return Path(home or Path.home() / ".local" / "state") / "timonel"
 
 
 def _write(path: Path, key: bytes) -> None:

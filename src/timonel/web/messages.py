@@ -122,7 +122,10 @@ class LinkState(Topic, frozen=True, gc=False):
 
 
 class AlertState(Topic, frozen=True, gc=False):
-    """An alert as all stations see it. Silenced until `silenced_until`, it makes no sound and stays."""
+    """An alert as all stations see it. Silenced until `silenced_until`, it makes no sound and stays.
+
+    `announced` is how often it was announced again because nobody acknowledged it.
+    """
 
     id: int
     name: str
@@ -132,6 +135,7 @@ class AlertState(Topic, frozen=True, gc=False):
     acknowledged: bool
     silenced_until: float | None
     since: float
+    announced: int
 
 
 class Happening(Topic, frozen=True, gc=False):
@@ -288,6 +292,25 @@ class OwnFrame(Topic, frozen=True, gc=False):
     quality: Quality
 
 
+class DeviceState(Topic, frozen=True, gc=False):
+    """A device on the NMEA 2000 bus; `ours` is the gateway itself. What it has not told is null.
+
+    `name` is its NAME in hexadecimal digits, `function` what it says that it is, `since` when it was first heard.
+    """
+
+    address: int | None
+    name: str
+    maker: str
+    model: str | None
+    software: str | None
+    serial: str | None
+    function: str
+    instance: int
+    installation: str | None
+    since: float
+    ours: bool
+
+
 class BoatTopics(Topic, frozen=True, gc=False):
     """All topics of a boat. Rudder and rate of turn are positive to starboard, variation to the east; utc is in s."""
 
@@ -306,6 +329,7 @@ class BoatTopics(Topic, frozen=True, gc=False):
     position: Position
     utc: Measured
     variation: Measured
+    devices: list[DeviceState]
     links: list[LinkState]
     alerts: list[AlertState]
     events: list[Happening]

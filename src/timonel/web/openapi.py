@@ -8,7 +8,7 @@ import msgspec
 from timonel import __version__
 from timonel.web.access import COOKIE, Least
 from timonel.web.api import ErrorText
-from timonel.web.routes import FILES, OPENAPI, ROUTES, Route
+from timonel.web.routes import ROUTES, Route
 
 Json = dict[str, Any]
 
@@ -23,7 +23,7 @@ WHY = {
     421: "By a name that is not ours: add it to `hosts` of `[web]`.",
     429: "Too many failures, or too many at once.",
 }
-OF_ALL = (421, 429)
+OF_ALL = (400, 421, 429)
 OF_BODIES = (400, 403, 413, 415)
 TEMPLATE = "#/components/schemas/{name}"
 
@@ -31,7 +31,7 @@ TEMPLATE = "#/components/schemas/{name}"
 @cache
 def document() -> bytes:
     """The whole of it."""
-    described = [route for route in ROUTES if route.path not in (FILES, OPENAPI) and route.method != "SOCKET"]
+    described = [route for route in ROUTES if route.described]
     types = [ErrorText, *(kind for route in described for kind in (route.body, route.answer) if kind is not None)]
     schemas, components = msgspec.json.schema_components(types, ref_template=TEMPLATE)
     schema_of = dict(zip(map(id, types), schemas, strict=True))

@@ -74,14 +74,15 @@ async def serve(console: Console, socket: WebSocket) -> None:
     try:
         await client.hear(socket)
     except TooMuch:
-        await _close(socket, POLICY, "too many messages")
+        await close(socket, POLICY, "too many messages")
     except (msgspec.DecodeError, RecursionError) as fault:
-        await _close(socket, NOT_UNDERSTOOD, f"not understood: {fault}"[:120])
+        await close(socket, NOT_UNDERSTOOD, f"not understood: {fault}"[:120])
     finally:
         client.leave()
 
 
-async def _close(socket: WebSocket, code: int, reason: str) -> None:
+async def close(socket: WebSocket, code: int, reason: str) -> None:
+    """End it where it has not ended."""
     if socket.client_state is WebSocketState.CONNECTED:
         await socket.close(code, reason)
 

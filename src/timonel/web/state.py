@@ -13,13 +13,14 @@ from typing import Any, overload
 from timonel.core.alerts import Alert, AlertChanged
 from timonel.core.alerts import Priority as AlertPriority
 from timonel.core.command import NOBODY, CommandTransfer, Denied, Overridden, Requested, Transferred
-from timonel.core.effects import Effect, Refused, Rejected, Say, SecurityEvent, Transmit
+from timonel.core.effects import Effect, Refused, Rejected, Say, SayTo, SecurityEvent, Transmit
 from timonel.core.frame import Frame
 from timonel.gateway.configuration import Configuration
 from timonel.gateway.gateway import Gateway
 from timonel.gateway.health import describe
 from timonel.links.inner import InnerLink
 from timonel.vehicles.boat.pilot import PilotChanged, Steer
+from timonel.vehicles.boat.pilots.driver import Progressed
 from timonel.vehicles.rover.drive import Permission, Wheels
 from timonel.web.messages import (
     AlertState,
@@ -58,7 +59,7 @@ KINDS: dict[type[Effect], EventKind] = {
 }
 PRESSING = (Transferred, Requested, Denied, Overridden, PilotChanged, Permission, AlertChanged)
 """What people should see at once."""
-UNTOLD = (Say, Transmit, Steer, Wheels)
+UNTOLD = (Say, SayTo, Transmit, Steer, Progressed, Wheels)
 
 
 class Told:
@@ -200,6 +201,7 @@ class State:
                 alert.acknowledged,
                 seconds(alert.silenced_until),
                 seconds(alert.since),
+                alert.announced,
             )
             for alert in alerts
         ]

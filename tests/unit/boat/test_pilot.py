@@ -5,7 +5,7 @@ import pytest
 from timonel.core.alerts import AlertChanged, Alerts
 from timonel.core.effects import Event, Refused
 from timonel.vehicles.boat.alerts import BACKBONE_SILENT, HEADING_LOST, PILOT_NOT_FOLLOWING, PILOT_SILENT
-from timonel.vehicles.boat.pilot import Mode, Pilot, PilotChanged, PilotReport, Steer, same_course, tenths
+from timonel.vehicles.boat.pilot import Manner, Mode, Pilot, PilotChanged, PilotReport, Steer, same_course, tenths
 
 HOLD, STANDBY, TRACK, ALARM, UNKNOWN = (
     Mode.HEADING_HOLD,
@@ -646,3 +646,104 @@ def test_alerts_say_what_is_wrong():
         "the pilot has not reported for 10 s",
         "nothing heard from the backbone for 3 s",
     }
+
+
+# Drivers ----------------------------------------------------------------------------------------------------
+
+
+def test_a_course_that_the_driver_objects_to_is_refused_with_its_reason():
+    boat = Boat()
+    boat.lives(1.0)
+    asked = []
+    boat.pilot.objection = lambda setpoint, now: asked.append((setpoint, now)) or "no pilot found on the bus"
+    assert boat.pilot.engage(2, 1.0) == [Refused("no pilot found on the bus", 2)]
+    boat.pilot.objection = None
+    boat.pilot.engage(2, 1.0)
+    boat.pilot.objection = lambda setpoint, now: asked.append((setpoint, now)) or "too far"
+    assert boat.pilot.set_heading(3700, 2, 1.5) == [Refused("too far", 2)]
+    assert boat.pilot.turn(-1000, 2, 1.5) == [Refused("too far", 2)]
+    assert asked == [(900, 1.0), (100, 1.5), (3500, 1.5)]
+    assert shown(boat.pilot) == (HOLD, 900)
+
+
+def test_a_driver_that_objects_to_everything_does_not_keep_anybody_from_letting_go():
+    boat = Boat().engaged()
+    boat.pilot.objection = lambda setpoint, now: "never"
+    assert steers(boat.pilot.disengage(2.0)) == [None]
+
+
+def adopting():
+    boat = Boat()
+    boat.pilot.adopts = True
+    return boat
+
+
+def test_a_pilot_that_chooses_its_own_course_is_engaged_as_soon_as_it_says_so():
+    boat = adopting().engaged()
+    assert boat.pilot.manner is Manner.ENGAGE
+    boat.pilot.reported(PilotReport(HOLD, None), 1.1)
+    assert not boat.pilot.pending
+    boat.pilot.reported(PilotReport(HOLD, 927), 1.2)
+    assert shown(boat.pilot) == (HOLD, 927)
+    assert boat.pilot.expire(3.5) == []  # its course is its own: nothing is repeated
+
+
+def test_such_a_pilot_that_holds_a_heading_already_is_brought_to_the_present_one():
+    boat = adopting()
+    boat.lives(0.5)
+    boat.pilot.reported(PilotReport(HOLD, 800), 0.5)
+    boat.engaged()
+    assert boat.pilot.manner is Manner.COURSE
+    boat.pilot.reported(PilotReport(HOLD, 800), 1.1)
+    assert boat.pilot.pending
+
+
+def test_a_course_of_such_a_pilot_is_confirmed_only_by_a_course_that_is_told():
+    boat = adopting().engaged()
+    boat.pilot.set_heading(1000, 1, 1.2)
+    boat.pilot.reported(PilotReport(HOLD, None), 1.3)
+    assert boat.pilot.pending
+    boat.pilot.reported(PilotReport(HOLD, 1003), 1.4)
+    assert not boat.pilot.pending
+
+
+def test_every_step_that_is_followed_gives_two_more_seconds():
+    boat = adopting().engaged()
+    boat.pilot.reported(PilotReport(HOLD, 900), 1.1)
+    boat.pilot.set_heading(1300, 1, 1.2)
+    boat.pilot.progressed(2.5)
+    boat.lives(3.0)
+    assert alerts(boat.pilot.expire(3.3)) == []
+    boat.lives(4.0)
+    assert alerts(boat.pilot.expire(4.5)) == [("pilot not following", True)]
+    boat.pilot.progressed(4.6)
+    assert not boat.pilot.pending
+
+
+def test_what_is_given_up_is_told_with_its_reason_and_the_report_is_the_truth():
+    boat = adopting().engaged()
+    boat.pilot.reported(PilotReport(HOLD, 900), 1.1)
+    boat.pilot.set_heading(1300, 1, 1.2)
+    boat.pilot.reported(PilotReport(HOLD, 950), 1.3)
+    effects = boat.pilot.gave_up("another course was set elsewhere", 1.4)
+    (told,) = [effect.alert.text for effect in effects if isinstance(effect, AlertChanged)]
+    assert told == "engage not followed: another course was set elsewhere"
+    assert shown(boat.pilot) == (HOLD, 950)
+    assert boat.pilot.gave_up("again", 1.5) == []
+
+
+def test_what_is_said_again_is_said_to_be():
+    boat = Boat().engaged()
+    assert boat.pilot.manner is Manner.COURSE
+    assert steers(boat.pilot.expire(2.0)) == [900]
+    assert boat.pilot.manner is Manner.REPEAT
+    boat.pilot.disengage(2.1)
+    assert boat.pilot.manner is Manner.COURSE
+
+
+def test_a_backbone_that_may_be_missing_is_missed_only_after_it_was_heard():
+    boat = Boat()
+    boat.pilot.expect_no_bus()
+    assert boat.pilot.deadline == float("inf")
+    assert boat.pilot.expire(1e6) == []
+    boat.silent_from(1e6)

@@ -1,6 +1,7 @@
 """What pilots say of themselves, maker by maker; bytes of real pilots where there are any."""
 
 from itertools import groupby
+from math import degrees
 
 import pytest
 
@@ -9,14 +10,21 @@ from tests.recordings import recording
 from timonel.nmea2000.identifier import split
 from timonel.nmea2000.lookups import (
     DeviceClass,
+    GarminPilotMode,
     HeadingReference,
     ManufacturerCode,
     SeatalkMode,
+    SimnetApMode,
     SimnetApModeFlags,
     SimnetAutopilotMode,
     SteeringMode,
 )
-from timonel.nmea2000.messages.navico import SimnetAutopilotModeState, SimnetPilotMode
+from timonel.nmea2000.messages.garmin import (
+    GarminAutopilotHeadingToSteer,
+    GarminAutopilotModeState,
+    GarminAutopilotRateOfTurn,
+)
+from timonel.nmea2000.messages.navico import SimnetAutopilotAngle, SimnetAutopilotModeState, SimnetPilotMode
 from timonel.nmea2000.messages.network import IsoAddressClaim
 from timonel.nmea2000.messages.raymarine import SeatalkPilotLockedHeading, SeatalkPilotMode
 from timonel.nmea2000.messages.steering import HeadingTrackControl
@@ -236,6 +244,101 @@ def test_recorded_navico_pilots_stand_by_or_are_in_a_mode_that_has_no_word_here(
     assert modes("simrad_event_timer_start.raw")[-1] is Mode.UNKNOWN  # wind mode
 
 
+@pytest.mark.parametrize("reference", [TRUE, MAGNETIC])
+def test_a_navico_pilots_65341_is_counted_as_its_127237_counts(reference):
+    reports = introduced(ManufacturerCode.NAVICO)
+    angle = SimnetAutopilotAngle(mode=SimnetApMode.HEADING, angle=1.5)
+    assert reports.receive(angle, 204, 0.0) is None  # no mode told yet
+    reports.receive(flags(SimnetApModeFlags.HEADING), 204, 0.1)
+    assert reports.receive(angle, 204, 0.2) is None  # nobody knows from where it is counted
+    reports.receive(standard(None, 1.4, reference), 204, 0.3)
+    assert reports.receive(angle, 204, 0.4) == Reading(Mode.HEADING_HOLD, 1.5, reference)
+
+
+@pytest.mark.parametrize("mode", [SimnetApMode.WIND, SimnetApMode.NAV, None])
+def test_an_angle_of_another_mode_is_no_course(mode):
+    reports = introduced(ManufacturerCode.NAVICO)
+    reports.receive(flags(SimnetApModeFlags.HEADING), 204, 0.1)
+    reports.receive(standard(None, 1.4, TRUE), 204, 0.3)
+    assert reports.receive(SimnetAutopilotAngle(mode=mode, angle=1.5), 204, 0.4) is None
+
+
+def test_recorded_navico_pilots_tell_no_angle_while_they_stand_by():
+    for name in ("can0-2.pcap", "susteranna2020.raw"):
+        angles = [
+            decode(65341, message.payload)
+            for message in messages(recording(SAMPLES + name))
+            if split(message.identifier).pgn == 65341
+        ]
+        assert angles
+        assert all(isinstance(one, SimnetAutopilotAngle) and one.angle is None for one in angles)
+
+
+# Garmin -----------------------------------------------------------------------------------------
+
+
+def garmin(mode):
+    return GarminAutopilotModeState(mode_state=mode)
+
+
+def course(angle):
+    return GarminAutopilotHeadingToSteer(heading_to_steer=angle)
+
+
+@pytest.mark.parametrize(
+    ("told", "mode"),
+    [
+        (GarminPilotMode.STANDBY, Mode.STANDBY),
+        (GarminPilotMode.ENGAGED, Mode.HEADING_HOLD),
+        (GarminPilotMode.SHADOW_DRIVE, Mode.UNKNOWN),
+        (99, Mode.UNKNOWN),
+    ],
+)
+def test_a_garmin_pilot_tells_its_mode_when_it_changes_and_it_holds_until_the_next(told, mode):
+    reports = introduced(ManufacturerCode.GARMIN)
+    assert reports.receive(GarminAutopilotModeState.decode(garmin(told).encode()), 204, 0.0) == Reading(mode)
+    assert reports.receive(course(2.5), 204, 3000.0) == Reading(mode, 2.5)
+    assert reports.receive(GarminAutopilotRateOfTurn(rate_of_turn=0.0), 204, 3001.0) == Reading(mode)
+
+
+def test_a_garmin_pilot_whose_mode_was_not_heard_yet_is_in_none_that_is_known():
+    assert introduced(ManufacturerCode.GARMIN).receive(course(2.5), 204, 0.0) == Reading(Mode.UNKNOWN, 2.5)
+
+
+def test_a_mode_without_a_name_or_a_course_without_a_number_says_nothing_new():
+    reports = introduced(ManufacturerCode.GARMIN)
+    assert reports.receive(garmin(None), 204, 0.0) is None
+    assert reports.receive(course(None), 204, 0.0) == Reading(Mode.UNKNOWN)
+
+
+def test_what_a_garmin_control_head_commands_is_not_what_the_pilot_reports():
+    reports = introduced(ManufacturerCode.GARMIN)
+    reports.introduce(name(ManufacturerCode.GARMIN, HEAD), 1)
+    reports.receive(garmin(GarminPilotMode.STANDBY), 204, 0.0)
+    assert reports.receive(garmin(GarminPilotMode.ENGAGED), 1, 0.1) is None
+    assert reports.receive(garmin(GarminPilotMode.ENGAGED), 9, 0.1) is None  # who has not introduced itself
+    assert reports.receive(course(2.5), 204, 0.2) == Reading(Mode.STANDBY, 2.5)
+
+
+def test_the_recorded_session_of_a_reactor_is_read_as_it_went():
+    """Engaged, turned by one and by ten degrees, shadow drive, standby: the session has no address claims."""
+    reports, told = introduced(ManufacturerCode.GARMIN, source=0), []
+    for message in messages(recording(SAMPLES + "garmin-ap-reactor-126720.raw")):
+        target = split(message.identifier)
+        decoded = decode(target.pgn, message.payload)
+        if isinstance(decoded, PILOT_MESSAGES) and target.destination == 255:
+            reading = reports.receive(decoded, target.source, message.now)
+            told += [] if reading is None else [reading]
+    assert [mode for mode, _ in groupby(reading.mode for reading in told)] == [
+        Mode.UNKNOWN,
+        Mode.HEADING_HOLD,
+        Mode.UNKNOWN,
+        Mode.STANDBY,
+    ]
+    held = [r.course for r in told if r.mode is Mode.HEADING_HOLD and r.course is not None]
+    assert [round(degrees(angle), 1) for angle in held] == [157.5, 167.5]
+
+
 # Who the pilot is -------------------------------------------------------------------------------
 
 
@@ -253,6 +356,33 @@ def test_a_device_that_says_to_be_an_autopilot_is_the_pilot_at_once():
     reports.receive(standard(SteeringMode.MAIN_STEERING), 10, 0.0)
     assert reports.receive(standard(SteeringMode.TRACK_CONTROL), 11, 0.1) == Reading(Mode.TRACK)
     assert reports.receive(standard(SteeringMode.MAIN_STEERING), 10, 0.2) is None
+
+
+def test_a_pilot_that_its_owner_chose_is_the_only_one_as_soon_as_it_is_there():
+    there = []
+    reports = PilotReports(lambda: there[0] if there else None)
+    assert reports.receive(standard(SteeringMode.HEADING_CONTROL), 10, 0.0) == Reading(Mode.HEADING_HOLD)
+    there.append(11)
+    assert reports.receive(standard(SteeringMode.HEADING_CONTROL), 10, 0.1) is None
+    assert reports.receive(seatalk(SeatalkMode.AUTO), 10, 0.1) is None
+    reports.introduce(name(FURUNO), 11)
+    assert reports.receive(standard(SteeringMode.MAIN_STEERING), 11, 0.2) == Reading(Mode.STANDBY)
+
+
+def test_a_raymarine_pilots_course_is_told_as_soon_as_it_changes_once_its_mode_is_known():
+    reports = introduced(RAYMARINE)
+    reports.receive(seatalk(SeatalkMode.AUTO), 204, 0.0)
+    assert reports.receive(locked(None, 1.5), 204, 0.1) == Reading(Mode.HEADING_HOLD, 1.5, MAGNETIC)
+    assert reports.receive(locked(None, None), 204, 0.2) == Reading(Mode.HEADING_HOLD, 1.5, MAGNETIC)
+
+
+def test_the_course_of_the_last_time_is_not_the_course_of_a_pilot_engaged_anew():
+    reports = introduced(RAYMARINE)
+    reports.receive(seatalk(SeatalkMode.AUTO), 204, 0.0)
+    reports.receive(locked(None, 1.5), 204, 0.1)
+    reports.receive(seatalk(SeatalkMode.STANDBY), 204, 0.2)
+    assert reports.receive(seatalk(SeatalkMode.AUTO), 204, 0.3) == Reading(Mode.HEADING_HOLD)
+    assert reports.receive(locked(None, 1.6), 204, 0.4) == Reading(Mode.HEADING_HOLD, 1.6, MAGNETIC)
 
 
 def test_a_device_that_says_to_be_something_else_is_the_pilot_of_last_resort():

@@ -3,10 +3,12 @@
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 SOURCE = Path(__file__).parents[3] / "src"
-ENVIRONMENT = os.environ | {"PYTHONPATH": str(SOURCE), "NO_COLOR": "1"}
+STATE = tempfile.TemporaryDirectory(prefix="timonel-state-")  # what one run of the tests remembers, the next must not
+ENVIRONMENT = os.environ | {"PYTHONPATH": str(SOURCE), "NO_COLOR": "1", "XDG_STATE_HOME": STATE.name}
 TIMONEL = (sys.executable, "-c", "from timonel.cli.main import main; main(prog_name='timonel')")
 
 

@@ -21,7 +21,8 @@ def two_free_ports() -> int:
         with socket.create_server(("127.0.0.1", 0)) as server:
             port = int(server.getsockname()[1])
             try:
-                socket.create_server(("127.0.0.1", port + 4)).close()
+                for taken in (port + 1, port + 2, port + 4):
+                    socket.create_server(("127.0.0.1", taken)).close()
             except OSError:
                 continue
             return port

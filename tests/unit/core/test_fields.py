@@ -16,6 +16,7 @@ from timonel.core.fields import (
     Bits,
     Code,
     Date,
+    Float32,
     Lookup,
     Number,
     Packed,
@@ -155,6 +156,34 @@ def test_a_string_is_read_as_it_was_written(text: str | None):
 def test_a_string_that_no_length_byte_can_count_is_refused():
     with pytest.raises(EncodeError, match="254 bytes, a string at most 253"):
         StringLau().write("a" * 254)
+
+
+@pytest.mark.parametrize(
+    ("data", "value"),
+    [
+        ("b48d2e40", pytest.approx(2.727399, abs=1e-6)),  # canboat sample garmin-ap-reactor-126720
+        ("0000c842", None),  # 100.0, which is the limit
+        ("0000c8c2", None),
+        ("0000c07f", None),  # not a number
+        ("0000807f", None),  # infinite
+        ("00000000", 0.0),
+    ],
+)
+def test_a_float_is_what_it_is_or_none(data: str, value: object):
+    assert Float32("rad", 100.0).read(bytes.fromhex("ff" + data), 1) == (value, 5)
+
+
+def test_a_float_that_is_not_there_whole_is_none():
+    assert Float32().read(b"\0\0\0", 0) == (None, 4)
+
+
+def test_a_float_is_read_as_it_was_written_and_none_as_its_limit():
+    field = Float32("rad", 100.0)
+    assert field.read(field.write(2.5), 0) == (2.5, 4)
+    assert field.write(None).hex() == "0000c842"
+    assert field.read(field.write(None), 0) == (None, 4)
+    with pytest.raises(EncodeError, match=r"100\.0 rad is outside -100\.\.100"):
+        field.write(100.0)
 
 
 def test_groups_are_counted_by_their_field_or_run_to_the_end():

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from timonel.core.reference import rows, section
+from timonel.nmea2000.messages.garmin import GarminAutopilotHeadingToSteer
 from timonel.nmea2000.messages.navico import SimnetPilotMode
 from timonel.nmea2000.messages.navigation import GnssPositionData
 from timonel.nmea2000.messages.network import PgnListTransmitAndReceive
@@ -34,6 +35,12 @@ def test_a_row_has_place_size_range_and_unit():
 def test_constants_and_flags_are_told_by_their_names():
     assert rows(SimnetPilotMode)[0] == "| 1 | manufacturer_code | 0 | 11 | always 1857 (simrad) |"
     assert rows(SimnetPilotMode)[5].endswith("| bit 3 standby, bit 4 heading, bit 6 nav, bit 8 no drift, bit 10 wind |")
+
+
+def test_a_constant_without_a_name_and_a_float_are_told_too():
+    told = rows(GarminAutopilotHeadingToSteer)
+    assert told[4] == "| 5 | wrapper_byte1 | 32 | 8 | always 4 |"
+    assert told[9] == "| 10 | heading_to_steer | 72 | 32 | a number in IEEE 754 |"
 
 
 def test_the_fields_of_a_group_are_counted_on():

@@ -72,8 +72,8 @@ def test_stations_take_command_and_steer_over_real_terminals_while_a_listener_he
         assert b"CMDTRANSFER,00,02" in await until(hears, b",02*")
         os.write(says, parp.command(parp.Verb.ENGAGE, 2))
         assert b"STATUS,HEADING_HOLD" in await until(bridge, b"HEADING_HOLD")
-        await asyncio.sleep(0.05)
-        assert boat.pilot.engaged
+        while not boat.pilot.engaged:  # the command waits for our address, half a second from the start
+            await asyncio.sleep(0.01)
         await listener.readuntil(b"$IIHDT")
         for fd in (bridge, says, hears):
             os.close(fd)

@@ -3,9 +3,13 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
+from timonel import __version__
 from timonel.errors import ConfigError
 from timonel.gateway import configuration
 from timonel.gateway.configuration import KINDS, Output, Recording, Station, load, parse
+from timonel.gateway.identity import unique_number
+from timonel.nmea2000.node import NodeSettings
+from timonel.vehicles.boat.alert_settings import AlertSettings
 from timonel.vehicles.boat.conversion import RATES
 from timonel.vehicles.boat.settings import BoatSettings, Port
 
@@ -45,7 +49,8 @@ def test_the_page_about_the_configuration_names_every_key_and_every_sentence() -
 
 def test_what_is_not_said_has_the_defaults_of_the_specification() -> None:
     configuration = parse(SOUND)
-    assert configuration.vehicle == BoatSettings()
+    node = NodeSettings(unique_number=unique_number("boat"), software=__version__)
+    assert configuration.vehicle == BoatSettings(node=node, alerts=AlertSettings())
     assert (configuration.flush, configuration.log, configuration.outputs) == (0.0, "info", ())
 
 
@@ -53,6 +58,25 @@ def test_keys_reach_the_boats_settings() -> None:
     text = '[vehicle]\nkind = "boat"\ndialect = "ar-1.0"\nmax_age = 2\n[bus]\nurl = "loop://a"\naddress = 7\n'
     settings = parse(text + STATION).vehicle
     assert (settings.dialect, settings.max_age, settings.address) == ("ar-1.0", 2.0, 7)
+
+
+def test_the_keys_of_the_bus_say_what_device_the_gateway_is() -> None:
+    keys = 'class = 40\nfunction = 140\ninstance = 3\nmanufacturer = 2046\nunique_number = 7\ninstallation1 = "port"\n'
+    settings = parse('[vehicle]\nkind = "boat"\n[bus]\nurl = "loop://a"\n' + keys + STATION).vehicle
+    assert settings.node == NodeSettings(
+        unique_number=7,
+        manufacturer=2046,
+        device_class=40,
+        device_function=140,
+        device_instance=3,
+        software=__version__,
+        installation1="port",
+    )
+
+
+@pytest.mark.parametrize("bus", ['url = "loop://a"\nnode = false\n', 'url = "file:///tmp/a.log"\nnode = true\n'])
+def test_a_gateway_that_need_not_or_cannot_speak_is_no_device(bus: str) -> None:
+    assert parse('[vehicle]\nkind = "boat"\n[bus]\n' + bus + STATION).vehicle.node is None
 
 
 def test_a_sentence_is_switched_or_has_a_rate() -> None:
@@ -102,7 +126,28 @@ def test_the_text_of_the_file_is_kept() -> None:
     assert parse(SOUND).text == SOUND
 
 
+def test_the_alerts_of_a_boat_are_told_to_all_unless_its_owner_wants_it_otherwise() -> None:
+    assert parse(SOUND).vehicle.alerts == AlertSettings()
+    table = (
+        '[alerts]\nforeign = false\ntell_bus = false\nsentences = "both"\nalarm_repeat = 0\nwarning_escalation = 300\n'
+    )
+    wanted = AlertSettings(foreign=False, tell_bus=False, sentences="both", alarm_repeat=0, warning_escalation=300)
+    assert parse(SOUND + table).vehicle.alerts == wanted
+
+
 MISTAKES = {
+    "a sentence for alerts": (
+        SOUND + '[alerts]\nsentences = "alc"\n',
+        'boat.toml:9, alerts.sentences: "alc" should be "alf" or "alr" or "both" (did you mean "alr"?)',
+    ),
+    "a wait that is none": (
+        SOUND + "[alerts]\nwarning_repeat = -1\n",
+        "boat.toml:9, alerts.warning_repeat: -1 should be a number 0..3600",
+    ),
+    "a misspelt key of the alerts": (
+        SOUND + "[alerts]\nforein = true\n",
+        'boat.toml:9, alerts.forein: unknown key (did you mean "foreign"?)',
+    ),
     "a size": (
         SOUND + '[recording]\nbudget = "2 Gb"\n',
         'boat.toml:9, recording.budget: "2 Gb" should be a size like "64 MB" (kB, MB, GB, TB)',
@@ -129,7 +174,8 @@ MISTAKES = {
     ),
     "a port where a bus should be": (
         SOUND.replace("socketcan://can0", "tcp://a:1"),
-        "boat.toml:4, bus.url: tcp://a:1: not the URL of a bus (a bus is one of socketcan, slcan, loop, file)",
+        "boat.toml:4, bus.url: tcp://a:1: not the URL of a bus "
+        "(a bus is one of socketcan, slcan, loop, file, or text as ydraw+tcp)",
     ),
     "a parameter of a URL": (
         SOUND.replace("/tmp/bridge", "/tmp/bridge?mode=9"),
@@ -227,7 +273,7 @@ MISTAKES = {
     "an output that is a bus": (
         SOUND + '[[output]]\nurl = "loop://a"\n',
         "boat.toml:9, output[1].url: loop://a: not the URL of a port "
-        "(a port is one of serial, pty, tcp, tcp-listen, udp)",
+        "(a port is one of serial, pty, tcp, tcp-listen, udp, iec450)",
     ),
     "single brackets": (
         VEHICLE + BUS + "[station]\nid = 1\n",

@@ -7,7 +7,7 @@ import pytest
 
 from tests.unit.gateway.fakes import FakeBus, FakePort, FakeVehicle
 from timonel.core.command import Transferred
-from timonel.core.effects import Effect, Say, Transmit
+from timonel.core.effects import Effect, Say, SayTo, Transmit
 from timonel.core.frame import Frame
 from timonel.gateway.gateway import FAULTS, Channel, Gateway
 
@@ -54,6 +54,19 @@ async def a_gateway(flush: float = 0.0) -> AsyncIterator[Rig]:
     await rig.gateway.open()
     yield rig
     await rig.gateway.close()
+
+
+def test_an_order_for_one_port_goes_to_that_port_alone_ahead_of_its_data() -> None:
+    async def scene() -> None:
+        async with a_gateway() as rig:
+            rig.hear([SayTo(b"$AGHTC,V,,,H,N,,,,,45.5,,,M*72\r\n", "HTC", "Plotter")])
+            assert (rig.bridge.lines, rig.cockpit_out.lines) == ([], [])
+            ((line,),) = rig.plotter.batches
+            assert (line.key, line.urgent, line.state) == ("HTC", True, True)
+            rig.hear([SayTo(b"x", "HTC", "nowhere")])
+            assert len(rig.plotter.batches) == 1
+
+    asyncio.run(scene())
 
 
 def test_what_the_vehicle_says_goes_to_every_out_link_and_to_no_in_link() -> None:
@@ -313,5 +326,49 @@ def test_every_link_is_opened_once_and_closed_once_and_hears_nothing_any_more() 
         assert [(link.opened, link.closed) for link in links] == [(1, 1)] * 5
         rig.bridge.receive(b"$PARP")
         assert rig.vehicle.told == []
+
+    asyncio.run(scene())
+
+
+def test_a_link_that_is_attached_is_opened_heard_by_its_owner_alone_and_closed() -> None:
+    async def scene() -> None:
+        rig, link, heard = Rig(0.0), FakePort("Raw"), []
+        rig.gateway.attach(link, heard.append)
+        await rig.gateway.open()
+        link.changed(True, "")
+        link.receive(b"hello")
+        rig.hear([HEADING])
+        assert (heard, link.batches, rig.gateway.connections["Raw"].connected) == ([b"hello"], [], True)
+        assert [told for told in rig.vehicle.told if told[0] == "bytes"] == []
+        await rig.gateway.close()
+        link.receive(b"too late")
+        assert (link.closed, heard) == (1, [b"hello"])
+
+    asyncio.run(scene())
+
+
+def test_what_an_attached_link_says_cannot_bring_the_gateway_down() -> None:
+    def fall_over(data: bytes) -> None:
+        raise ZeroDivisionError
+
+    async def scene() -> None:
+        rig, link = Rig(0.0), FakePort("Raw")
+        rig.gateway.attach(link, fall_over)
+        await rig.gateway.open()
+        link.receive(b"hello")
+        assert rig.gateway.health.counts["fault"] == 1
+        await rig.gateway.close()
+
+    asyncio.run(scene())
+
+
+def test_frames_that_are_injected_go_on_the_bus_and_are_heard_as_all_that_is_there() -> None:
+    async def scene() -> None:
+        async with a_gateway() as rig:
+            rig.vehicle.answers["frames"] = [HEADING]
+            rig.gateway.inject("Raw", [FRAME])
+            assert rig.bus.batches == [[FRAME]]
+            assert rig.vehicle.told == [("frames", FRAME)]
+            assert rig.bridge.lines == [HEADING.line]
 
     asyncio.run(scene())

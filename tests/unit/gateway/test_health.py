@@ -2,12 +2,14 @@ import logging
 
 import pytest
 
-from timonel.core.alerts import Alert, AlertChanged
+from timonel.core.alerts import Alert, AlertChanged, AlertKind, Priority
 from timonel.core.command import Denied, Overridden, Requested, Transferred
 from timonel.core.effects import Event, Refused, Rejected, SecurityEvent
 from timonel.gateway.health import KINDS_MAX, LINES, LINES_WINDOW, Health
 from timonel.vehicles.boat.alerts import BACKBONE_SILENT, PILOT_NOT_FOLLOWING
+from timonel.vehicles.boat.foreign_alerts import FIRST
 from timonel.vehicles.boat.pilot import Mode, PilotChanged, Steer
+from timonel.vehicles.boat.pilots.driver import GaveUp, Progressed
 
 SILENT = Alert(BACKBONE_SILENT, "nothing heard for 3 s", since=0.0)
 DEAF = Alert(PILOT_NOT_FOLLOWING, "engage not followed for 2 s", since=0.0)
@@ -35,6 +37,8 @@ def log(caplog: pytest.LogCaptureFixture) -> pytest.LogCaptureFixture:
         (PilotChanged(Mode.UNKNOWN, None), "INFO", "pilot: unknown mode"),
         (Steer(1825), "DEBUG", "to the pilot: hold 182.5"),
         (Steer(None), "DEBUG", "to the pilot: let go"),
+        (Progressed(), "DEBUG", "the pilot followed a step"),
+        (GaveUp("command has passed"), "INFO", "the pilot's course is given up: command has passed"),
         (AlertChanged(SILENT), "ERROR", "alarm stands: backbone silent: nothing heard for 3 s"),
         (AlertChanged(DEAF), "WARNING", "warning stands: pilot not following: engage not followed for 2 s"),
     ],
@@ -119,3 +123,14 @@ def test_a_link_that_comes_and_goes_is_logged(log: pytest.LogCaptureFixture) -> 
         ("INFO", "Bridge: connected"),
         ("WARNING", "Bridge: not connected (unplugged)"),
     ]
+
+
+def test_other_devices_alerts_cannot_flood_the_log_and_ours_are_always_in_it(log: pytest.LogCaptureFixture) -> None:
+    health = Health()
+    theirs = Alert(AlertKind(FIRST, "bilge", Priority.ALARM), "", since=0.0)
+    for _ in range(100):
+        health.event(AlertChanged(theirs), now=0.0)
+        health.event(AlertChanged(SILENT), now=0.0)
+    assert sum("bilge" in message for message in log.messages) == LINES
+    assert sum("backbone" in message for message in log.messages) == 100
+    assert health.counts["alert of another device"] == 100

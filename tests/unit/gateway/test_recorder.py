@@ -357,14 +357,16 @@ def test_the_front_says_what_the_machine_was_made_from(tmp_path: Path) -> None:
 
 
 def test_no_secret_is_recorded(tmp_path: Path) -> None:
-    text = '[web]\ntoken = "correct horse battery"\nlisten = "127.0.0.1:8080"\n'
+    broker = '[mqtt]\nurl = "mqtt://boat:{}@10.0.0.2"\n'
+    text = '[web]\ntoken = "correct horse battery"\nlisten = "127.0.0.1:8080"\n' + broker.format("secret")
 
     async def scene() -> Metadata:
         rig = Rig(tmp_path)
         return front(rig.gateway, replace(rig.configuration, text=text))(0)
 
     recorded_text = asyncio.run(scene())["timonel.configuration"]["text"]
-    assert recorded_text == '[web]\ntoken = (not recorded)\nlisten = "127.0.0.1:8080"\n'
+    expected = '[web]\ntoken = (not recorded)\nlisten = "127.0.0.1:8080"\n' + broker.format("(not recorded)")
+    assert recorded_text == expected
 
 
 def test_a_computer_that_does_not_tell_its_boot_is_recorded_all_the_same(

@@ -85,3 +85,12 @@ def test_the_page_of_the_console_names_every_key() -> None:
     page = (Path(__file__).parents[3] / "docs" / "console.md").read_text()
     keys = configuration.KINDS["boat"].tables["web"]
     assert [key for key in keys if f"`{key}`" not in page] == []
+
+
+def test_tiles_are_a_directory_beside_the_configuration(tmp_path: Path) -> None:
+    (tmp_path / "charts").mkdir()
+    told = parse(f'{BOAT}[web]\ntiles = "charts"\n', str(tmp_path / "boat.toml"))
+    assert told.web is not None
+    assert told.web.tiles == str(tmp_path / "charts")
+    (mistake,) = mistakes('tiles = "nowhere"')
+    assert mistake == "/etc/boat.toml:6, web.tiles: /etc/nowhere is no directory of map tiles, z/x/y.png"

@@ -49,6 +49,19 @@ def test_every_reader_hears_every_line():
     asyncio.run(session())
 
 
+def test_what_every_reader_is_told_first_comes_before_all_else():
+    async def session():
+        async with listening() as (link, _):
+            link.greeting = lambda: b"hello\r\n"
+            readers = [await reader_of(link) for _ in range(2)]
+            link.send([line("$IIDPT,5.0")])
+            for reader in readers:
+                assert await read_until(reader, b"5.0\r\n") == b"hello\r\n$IIDPT,5.0\r\n"
+                reader.close()
+
+    asyncio.run(session())
+
+
 def test_a_reader_that_stops_reading_delays_nobody_and_wakes_to_the_newest():
     async def session():
         async with listening() as (link, _):

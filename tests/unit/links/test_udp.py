@@ -35,6 +35,24 @@ def test_a_batch_is_one_datagram_and_what_comes_back_is_heard():
     asyncio.run(session())
 
 
+def test_with_a_port_of_our_own_the_far_side_is_heard_without_having_been_asked():
+    async def session():
+        with peer() as far, peer() as stranger, peer() as taken:
+            ours = taken.getsockname()[1]
+            taken.close()
+            ear, link = Ear(), UdpLink(*far.getsockname(), local=ours)
+            await link.open(ear.receive, ear.changed)
+            stranger.sendto(b"$PARP,TAKECMD\r\n", ("127.0.0.1", ours))
+            far.sendto(b"$IIHDT,1.0,T\r\n", ("127.0.0.1", ours))
+            await until(lambda: ear.data)
+            assert ear.data == b"$IIHDT,1.0,T\r\n"
+            link.send([line("$IIDPT,5.0")])
+            assert far.recvfrom(2000) == (b"$IIDPT,5.0\r\n", ("127.0.0.1", ours))
+            await link.close()
+
+    asyncio.run(session())
+
+
 def test_a_stranger_is_not_heard_by_a_link_to_a_host():
     async def session():
         with peer() as far, peer() as stranger:

@@ -32,12 +32,12 @@ def test_the_last_start_in_a_line_wins(start: bytes) -> None:
 
 def test_a_tag_block_is_stripped_and_is_not_garbage() -> None:
     framer = SentenceFramer()
-    assert framer.receive(b"\\s:II1,c:1700000000*5B\\" + HDT + b"\r\n") == [HDT]
+    assert framer.receive(b"\\s:II1,c:1700000000*0B\\" + HDT + b"\r\n") == [HDT]
     assert framer.garbage_bytes == 0
 
 
-@pytest.mark.parametrize("half", [b"\\", b"\\s:II1*5B", b"s:II1*5B\\"])
-def test_half_a_tag_block_is_garbage(half: bytes) -> None:
+@pytest.mark.parametrize("half", [b"\\", b"\\s:II1*78", b"s:II1*78\\", b"\\s:II1*79\\"])
+def test_half_a_tag_block_or_a_broken_one_is_garbage(half: bytes) -> None:
     framer = SentenceFramer()
     assert framer.receive(half + HDT + b"\r\n") == [HDT]
     assert framer.garbage_bytes == len(half)

@@ -12,14 +12,18 @@ from timonel.nmea0183.sentence import Sentence
 from timonel.nmea0183.sentences import (
     ACK,
     ACN,
+    ALC,
+    ALF,
     ALR,
     APB,
+    ARC,
     DBK,
     DBS,
     DBT,
     DPT,
     GGA,
     GLL,
+    HBT,
     HDG,
     HDM,
     HDT,
@@ -41,8 +45,12 @@ from timonel.nmea0183.sentences import (
     XDR,
     XTE,
     ZDA,
+    AlertCategory,
     AlertCommand,
+    AlertCondition,
+    AlertUrgency,
     HeadingMode,
+    Listed,
     Mode,
     NavigationalStatus,
     Reference,
@@ -53,6 +61,7 @@ from timonel.nmea0183.sentences import (
     TurnMode,
     WindReference,
 )
+from timonel.nmea0183.sentences.alarm import listing
 from timonel.nmea0183.sentences.transducer import split
 from timonel.nmea0183.sentences.water import Depth
 
@@ -120,6 +129,31 @@ WRITTEN = [
     (ALR(NOON, 41, True, False, "PILOT OFF COURSE"), "IIALR,120000,041,A,V,PILOT OFF COURSE"),
     (ACK(41), "IIACK,041"),
     (ACN(NOON, None, 41, None, AlertCommand.SILENCE, "C"), "IIACN,120000,,041,,S,C"),
+    (ARC(NOON, "ARP", 41, 1, AlertCommand.ACKNOWLEDGE), "IIARC,120000,ARP,041,1,A"),
+    (HBT(30, True, 4), "IIHBT,30,A,4"),
+    (
+        ALF(
+            2,
+            1,
+            3,
+            NOON,
+            AlertCategory.B,
+            AlertUrgency.WARNING,
+            AlertCondition.UNACKNOWLEDGED,
+            "ARP",
+            3048,
+            2,
+            7,
+            1,
+            "Lost target",
+        ),
+        "IIALF,2,1,3,120000,B,W,V,ARP,3048,2,7,1,Lost target",
+    ),
+    (
+        ALC(2, 1, 5, (Listed("FUR", 3048, 2, 7), Listed(None, 41, None, None))),
+        "IIALC,02,01,05,2,FUR,3048,2,7,,41,,",
+    ),
+    (ALC(), "IIALC,01,01,00,0"),
     (
         HTC(
             False,
@@ -360,6 +394,14 @@ def test_a_magnitude_without_its_direction_is_not_available() -> None:
         "IIXDR,A,-1.-3,D,TRIM",
         "IIXTE,A,A,0.25,L,K,A",
         "IIALR,120000,041,A,V,\x00",
+        "IIALF,2,1,3,120000,B,W,X,ARP,3048,2,7,1,Lost target",
+        "IIALC,01,01,00,2,FUR,3048,2,7",
+        "IIALC,01,01,00,1,FUR,3048,2",
+        "IIALC,01,01,00,1,FUR,-3,2,1",
+        "IIALC,01,02,00,0",
+        "IIALC,01,00,00,0",
+        "IIALC,01",
+        "IIALC,01,01,00,x",
         "IIALR,120000,041,A,V,^07",
     ],
 )  # fmt: skip
@@ -471,3 +513,20 @@ def test_sentences_that_share_their_fields_do_not_share_their_formatter() -> Non
     assert DBT(depth_m=1.0).encode()[1:6] == b"IIDBT"
     assert DBK(depth_m=1.0).encode()[1:6] == b"IIDBK"
     assert isinstance(parse(DBS(depth_m=1.0).encode()[:-2]), DBS)
+
+
+def test_a_list_of_alerts_takes_as_few_sentences_as_hold_it() -> None:
+    alerts = [Listed("ARP", 400 + number, 1, 99) for number in range(20)]
+    sentences = listing(alerts, 7)
+    assert [sentence.number for sentence in sentences] == list(range(1, len(sentences) + 1))
+    assert {(sentence.total, sentence.sequence) for sentence in sentences} == {(len(sentences), 7)}
+    assert [alert for sentence in sentences for alert in sentence.entries] == alerts
+    lengths = [len(sentence.encode()) for sentence in sentences]
+    assert all(length <= 82 for length in lengths)
+    assert all(length + 13 > 82 for length in lengths[:-1])
+    assert listing([], 7) == [ALC(1, 1, 7)]
+
+
+def test_a_list_of_alerts_has_at_most_ninety_nine_sentences() -> None:
+    sentences = listing([Listed("ARP", 400 + number, 1, 99) for number in range(1000)], 0)
+    assert len(sentences) == sentences[-1].total == 99

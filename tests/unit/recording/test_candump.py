@@ -89,3 +89,37 @@ def test_what_is_no_data_frame_gives_nothing(line):
 def test_a_line_of_another_kind_is_refused(line):
     with pytest.raises(ValueError):
         read(line)
+
+
+LOGGED = "(1669809600.001488) can0 0DF11917#00FF7F1F02A3FFFF"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        LOGGED,
+        LOGGED.replace("001488", "999999"),
+        LOGGED.replace("0DF11917", "0DF11918"),
+        LOGGED.replace("600.", "601."),
+        LOGGED.replace("001488", "0014889"),
+        LOGGED + " T",
+        LOGGED + "00",
+        LOGGED.replace("FF7F", "FF 7F"),
+        LOGGED.replace("001488", "+01488"),
+        LOGGED.replace("#00", "00"),
+        LOGGED.partition("#")[0],
+        LOGGED.partition("#")[0] + "#",
+        LOGGED.partition("#")[0] + "#R",
+    ],
+)
+def test_a_line_is_read_the_same_behind_one_with_its_second_and_identifier(line):
+    behind = Candump([])
+    assert [behind.read(LOGGED)] == read(LOGGED)
+    assert outcome(behind.read, line) == outcome(Candump([]).read, line)
+
+
+def outcome(reader, line):
+    try:
+        return reader(line)
+    except ValueError as refused:
+        return str(refused)

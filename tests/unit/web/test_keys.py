@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from timonel.gateway.places import state_directory
 from timonel.web import keys
 
 
@@ -31,7 +32,7 @@ def test_systemd_says_where_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 def test_without_a_place_there_is_one_in_the_home(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("XDG_STATE_HOME")
-    assert keys.directory() == Path.home() / ".local" / "state" / "timonel"
+    assert state_directory() == Path.home() / ".local" / "state" / "timonel"
 
 
 def test_where_it_cannot_be_kept_it_is_a_new_one_and_people_are_told(

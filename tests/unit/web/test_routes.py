@@ -13,7 +13,7 @@ from timonel.gateway.configuration import Web
 from timonel.web.access import Access, Least, Rights
 from timonel.web.app import SECURITY, find
 from timonel.web.pairing import GUESSES
-from timonel.web.routes import FILES, ROUTES, SOCKET, Route
+from timonel.web.routes import FILES, ROUTES, SOCKET, STREAM, Route
 
 AT = {"host": "boat.local:8080", "address": "192.168.1.7"}
 BODIES: dict[str, Any] = {
@@ -22,7 +22,31 @@ BODIES: dict[str, Any] = {
     "/api/v1/pairings/code": {"pairing": 1, "code": "000000"},
     "/api/v1/commands": {"order": {"type": "command", "id": 1, "verb": "REQCMD"}, "station": 2},
 }
-FINE = {"/api/v1/pairings": 202, "/api/v1/logout": 204, "/api/v1/pairings/code": 403}
+PILOT = "/signalk/v2/api/vessels/self/autopilots/_default"
+SIGNALK_BODIES = {
+    f"{PILOT}/state": {"value": "auto"},
+    f"{PILOT}/target": {"value": 1.5},
+    f"{PILOT}/target/adjust": {"value": 10, "units": "deg"},
+}
+FINE = {
+    "/api/v1/pairings": 202,
+    "/api/v1/logout": 204,
+    "/tiles/vessels/self/name": 204,
+    "/api/v1/pairings/code": 403,
+    ("POST", f"{PILOT}/engage"): 400,  # there is no heading
+    ("PUT", f"{PILOT}/state"): 400,
+    ("PUT", f"{PILOT}/target"): 400,  # it is not engaged
+    ("PUT", f"{PILOT}/target/adjust"): 400,
+    ("POST", f"{PILOT}/disengage"): 504,  # there is no pilot to confirm it
+    **{
+        (method, f"{PILOT}/{what}"): 501
+        for method, what in (
+            ("PUT", "mode"), ("POST", "tack/port"), ("POST", "tack/starboard"), ("POST", "gybe/port"),
+            ("POST", "gybe/starboard"), ("POST", "dodge"), ("PUT", "dodge"), ("DELETE", "dodge"),
+            ("POST", "courseCurrentPoint"), ("POST", "courseNextPoint"),
+        )
+    },
+}  # fmt: skip
 """Statuses of those that may, where it is not 200."""
 ROLES = list(Least)
 
@@ -43,15 +67,32 @@ def access() -> Access:
     return Access(OPEN_TO_ALL, KEY, lambda: 0.0, time.time)
 
 
+def path_of(route: Route) -> str:
+    """One that it fits."""
+    return route.path.replace(FILES, "/").replace("{id}", "_default").replace("{path}", "vessels/self/name")
+
+
+def body_for(path: str, method: str) -> Any:
+    return BODIES.get(path) if method == "POST" else SIGNALK_BODIES.get(path)
+
+
+def fine(route: Route) -> int:
+    path = path_of(route)
+    return 101 if route.method == "SOCKET" else FINE.get((route.method, path), FINE.get(path, 200))
+
+
 async def knock(here: Scene, route: Route, headers: dict[str, str]) -> int:
+    path = path_of(route)
     if route.method == "SOCKET":
-        return await knock_at_socket(here, headers)
-    path = route.path if route.path != FILES else "/"
-    answer = await request(here.app, route.method, path, BODIES.get(path), **headers)
+        return await knock_at_socket(here, headers, path)
+    if path == f"{PILOT}/disengage":
+        await here.hear(heading(90.0))  # a bus that is silent is no bus to confirm anything
+    which = "?station=2" if path.startswith(PILOT) else ""
+    answer = await request(here.app, route.method, path + which, body_for(path, route.method), **headers)
     return answer.status
 
 
-async def knock_at_socket(here: Scene, headers: dict[str, str]) -> int:
+async def knock_at_socket(here: Scene, headers: dict[str, str], path: str = SOCKET) -> int:
     """101 if it is let in."""
     said: list[Any] = []
     given = {"host": "127.0.0.1:8080"} | headers
@@ -72,7 +113,7 @@ async def knock_at_socket(here: Scene, headers: dict[str, str]) -> int:
 
     scope = {
         "type": "websocket",
-        "path": SOCKET,
+        "path": path,
         "query_string": b"",
         "headers": [(name.encode(), value.encode()) for name, value in given.items()],
         "client": (address, 40000),
@@ -90,11 +131,10 @@ def test_each_route_is_for_those_that_the_table_says(route: Route, least: Least)
         web, headers = who(least)
         async with scene(web=web) as here:
             status = await knock(here, route, headers)
-            if least >= route.least:
-                fine = 101 if route.method == "SOCKET" else FINE.get(route.path, 200)
-                if least is Least.ADMIN and route.path == "/api/v1/pairings":
-                    fine = 409
-                assert status == fine
+            if least is Least.ADMIN and route.path == "/api/v1/pairings":
+                assert status == 409
+            elif least >= route.least:
+                assert status == fine(route)
             else:
                 assert status == (401 if least is Least.NOBODY else 403)
 
@@ -137,7 +177,7 @@ def test_the_first_lines_alone_can_be_asked_for() -> None:
 
 def test_all_paths_are_different() -> None:
     assert len({(route.method, route.path) for route in ROUTES}) == len(ROUTES)
-    assert find("GET", "/app.js").path == FILES
+    assert find("GET", "/app.js")[0].path == FILES
 
 
 # Where from -------------------------------------------------------------------------------------------------
@@ -161,9 +201,9 @@ def test_a_page_of_another_site_changes_nothing_and_opens_no_socket() -> None:
             for headers in ({"origin": "http://evil.example"}, {"sec-fetch-site": "cross-site"}, {"origin": "null"}):
                 for route in ROUTES:
                     if route.changes:
-                        answer = await request(here.app, "POST", route.path, BODIES.get(route.path), **headers)
-                        assert answer.status == 403, route
-                assert await knock_at_socket(here, headers) == 403
+                        assert await knock(here, route, headers) == 403, route
+                for path in (SOCKET, STREAM):
+                    assert await knock_at_socket(here, headers, path) == 403
             assert here.gateway.vehicle.helm.transfer.commander == 0  # type: ignore[attr-defined]
             assert await knock_at_socket(here, {"origin": "http://127.0.0.1:8080"}) == 101
 
@@ -190,6 +230,15 @@ def test_what_is_too_long_or_not_understood_is_refused() -> None:
                 answer = await here.post("/api/v1/commands", body)
                 assert answer.status == 400
                 assert answer.json["error"]
+
+    asyncio.run(play())
+
+
+def test_a_query_with_too_many_fields_is_refused() -> None:
+    async def play() -> None:
+        async with scene() as here:
+            for count, status in ((20, 200), (21, 400)):
+                assert (await here.get("/api/v1/you?" + "&".join(["a=1"] * count))).status == status
 
     asyncio.run(play())
 

@@ -1,7 +1,20 @@
 """The typed sentences, each declared once."""
 
 from timonel.nmea0183.fields import Mode
-from timonel.nmea0183.sentences.alarm import ACK, ACN, ALR, AlertCommand
+from timonel.nmea0183.sentences.alarm import (
+    ACK,
+    ACN,
+    ALC,
+    ALF,
+    ALR,
+    ARC,
+    HBT,
+    AlertCategory,
+    AlertCommand,
+    AlertCondition,
+    AlertUrgency,
+    Listed,
+)
 from timonel.nmea0183.sentences.heading import HDG, HDM, HDT, HSC, ROT, THS, HeadingMode
 from timonel.nmea0183.sentences.kinds import Reference
 from timonel.nmea0183.sentences.position import GGA, GLL, RMC, VTG, ZDA, NavigationalStatus
@@ -14,14 +27,18 @@ from timonel.nmea0183.sentences.wind import MWD, MWV, SpeedUnit, WindReference
 __all__ = [
     "ACK",
     "ACN",
+    "ALC",
+    "ALF",
     "ALR",
     "APB",
+    "ARC",
     "DBK",
     "DBS",
     "DBT",
     "DPT",
     "GGA",
     "GLL",
+    "HBT",
     "HDG",
     "HDM",
     "HDT",
@@ -43,8 +60,12 @@ __all__ = [
     "XDR",
     "XTE",
     "ZDA",
+    "AlertCategory",
     "AlertCommand",
+    "AlertCondition",
+    "AlertUrgency",
     "HeadingMode",
+    "Listed",
     "Mode",
     "NavigationalStatus",
     "Reference",

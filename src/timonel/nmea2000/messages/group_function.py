@@ -39,7 +39,18 @@ from timonel.nmea2000.lookups import (
     PgnErrorCode,
     TransmissionIntervalError,
 )
-from timonel.nmea2000.messages import alerts, environment, navico, navigation, network, raymarine, steering
+from timonel.nmea2000.messages import (
+    ais,
+    alerts,
+    environment,
+    garmin,
+    maretron,
+    navico,
+    navigation,
+    network,
+    raymarine,
+    steering,
+)
 
 
 def declared(*modules: Any) -> dict[int, list[type[Message]]]:
@@ -52,7 +63,7 @@ def declared(*modules: Any) -> dict[int, list[type[Message]]]:
     return found
 
 
-TARGETS = declared(steering, navigation, environment, network, alerts, raymarine, navico)
+TARGETS = declared(steering, navigation, environment, network, alerts, ais, raymarine, navico, garmin, maretron)
 
 
 def proprietary(pgn: int) -> bool:

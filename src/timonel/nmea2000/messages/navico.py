@@ -2,9 +2,11 @@
 
 from typing import Annotated
 
-from timonel.core.fields import U8, U16, Flags, Lookup, Match, Reserved, Spare
+from timonel.core.fields import U8, U16, Ascii, Bits, Flags, Lookup, Match, Reserved, Spare
 from timonel.core.message import Message
 from timonel.nmea2000.lookups import (
+    AlertState,
+    AlertType,
     IndustryCode,
     ManufacturerCode,
     SimnetAlarmCommand,
@@ -207,3 +209,34 @@ class SimnetApCommandReplyChangeCourse(SimnetAddressed, pgn=130851):
     direction: Annotated[SimnetDirection | None, Lookup(8, SimnetDirection)]
     angle: Annotated[float | None, U16(1e-4, "rad")]
     reserved12: Annotated[None, Reserved(8)] = None
+
+
+class SimnetAlarmMessage(Simnet, pgn=130856):
+    """PGN 130856: an alarm in words; 130850 tells the same in numbers.
+
+    Fast packet, on event. Layout: canboat `simnetAlarmMessage`.
+    """
+
+    alarm_id: Annotated[SimnetAlarmId | None, Lookup(16, SimnetAlarmId)]
+    b: Annotated[int | None, U8()]
+    c: Annotated[int | None, U8()]
+    text: Annotated[str | None, Ascii(223)]
+
+
+class NavicoAlarm(Message, pgn=130825):
+    """PGN 130825: an alarm that holds; it goes on telling `ACTIVE` after somebody has acknowledged it.
+
+    Fast packet, priority 7, on event. Layout: canboat `navicoAlarm`.
+    """
+
+    manufacturer_code: Annotated[ManufacturerCode, Match(11)] = ManufacturerCode.NAVICO
+    reserved: Annotated[None, Reserved(2)] = None
+    industry_code: Annotated[IndustryCode, Match(3)] = IndustryCode.MARINE
+    instance: Annotated[int | None, U8()]
+    record_id: Annotated[int | None, U8()]
+    alarm_type: Annotated[int | None, U16()]
+    alarm_id: Annotated[SimnetAlarmId | None, Lookup(16, SimnetAlarmId)]
+    alarm_state: Annotated[AlertState | None, Lookup(3, AlertState)]
+    action_flag: Annotated[int, Bits(1)]
+    alarm_severity: Annotated[AlertType | None, Lookup(4, AlertType)]
+    value: Annotated[int | None, U16()]

@@ -195,6 +195,20 @@ class NavigationData(Message, pgn=129284):
     waypoint_closing_velocity: Annotated[float | None, I16(0.01, "m/s")] = None
 
 
+class SetDriftRapidUpdate(Message, pgn=129291):
+    """PGN 129291: the current, whither it sets and how fast.
+
+    Single frame, priority 3, 1 Hz. Layout: canboat `setDriftRapidUpdate`.
+    """
+
+    sid: Annotated[int | None, U8()]
+    set_reference: Annotated[HeadingReference | None, Lookup(2, HeadingReference)]
+    reserved: Annotated[None, Reserved(6)] = None
+    set: Annotated[float | None, U16(1e-4, "rad")]
+    drift: Annotated[float | None, U16(0.01, "m/s")]
+    reserved6: Annotated[None, Reserved(16)] = None
+
+
 class Waypoint(Message):
     """A waypoint of a route; repeated in 129285."""
 

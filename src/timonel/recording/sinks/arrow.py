@@ -20,7 +20,8 @@ import numpy.typing as npt
 
 from timonel.errors import RecordingError
 from timonel.nmea2000.catalogue import Definition, Field
-from timonel.nmea2000.catalogue_columns import AnyColumn, Column, Items, listed, words
+from timonel.nmea2000.catalogue_columns import AnyColumn, Items, listed, words
+from timonel.nmea2000.fixed_columns import Column
 from timonel.recording.decoding import Pass
 from timonel.recording.frames import NO_STAMP
 from timonel.recording.sinks.notation import plain, set_bits

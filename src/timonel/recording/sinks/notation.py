@@ -13,7 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from timonel.nmea2000.catalogue import Definition, Field
-from timonel.nmea2000.catalogue_columns import AnyColumn, Column, Mixed, listed, words
+from timonel.nmea2000.catalogue_columns import AnyColumn, Mixed, listed, words
+from timonel.nmea2000.fixed_columns import Column
 from timonel.recording.decoded import as_json
 from timonel.recording.sinks.texts import Texts, constant, decimals, where
 from timonel.recording.sinks.texts import listed as texts_of

@@ -20,6 +20,7 @@ from timonel.nmea0183 import sentences as s
 from timonel.nmea0183.dialect import encode_ar10
 from timonel.nmea0183.fields import escaped
 from timonel.nmea0183.sentence import Sentence
+from timonel.nmea0183.vdm import OTHERS
 from timonel.nmea2000.lookups import (
     DirectionRudder,
     GnssMethod,
@@ -38,6 +39,7 @@ from timonel.nmea2000.messages.navigation import (
     DistanceLog,
     GnssPositionData,
     NavigationData,
+    SetDriftRapidUpdate,
     Speed,
     WaterDepth,
 )
@@ -48,6 +50,7 @@ from timonel.nmea2000.messages.steering import (
     Rudder,
     VesselHeading,
 )
+from timonel.vehicles.boat import ais
 from timonel.vehicles.boat.truth import Truth
 
 KNOT = 1852 / 3600  # m/s
@@ -169,15 +172,21 @@ def rsa(truth: Truth, message: Rudder, now: float) -> Sentence | None:
 
 
 def htd(truth: Truth, message: HeadingTrackControl, now: float) -> Sentence | None:
+    sentence = heading_track(message)
+    empty = s.HTD(reference=sentence.reference)
+    return None if sentence == empty else sentence
+
+
+def heading_track(message: HeadingTrackControl) -> s.HTD:
     """127237 field by field; a direction of rudder without an angle stays one (non-follow-up steering)."""
-    sentence = s.HTD(
+    return s.HTD(
         override=yes(message.override),
-        rudder_angle_deg=None if (angle := message.commanded_rudder_angle) is None else abs(degrees(angle)),
+        rudder_angle_deg=None if (angle := message.commanded_rudder_angle) is None else _limit(abs(angle)),
         rudder_direction=_rudder_direction(message),
         steering_mode=STEERING_MODES.get(message.steering_mode) if message.steering_mode is not None else None,
         turn_mode=TURN_MODES.get(message.turn_mode) if message.turn_mode is not None else None,
-        rudder_limit_deg=deg(message.rudder_limit),
-        off_heading_limit_deg=deg(message.off_heading_limit),
+        rudder_limit_deg=_limit(message.rudder_limit),
+        off_heading_limit_deg=_limit(message.off_heading_limit),
         radius_nm=None if (radius := message.radius_of_turn_order) is None else abs(radius) / MILE,
         rate_deg_min=None if (rate := message.rate_of_turn_order) is None else degrees(rate) * MINUTE,
         heading_to_steer_deg=direction(message.heading_to_steer_course),
@@ -189,8 +198,12 @@ def htd(truth: Truth, message: HeadingTrackControl, now: float) -> Sentence | No
         within_off_track_limit=_within(message.off_track_limit_exceeded),
         heading_deg=direction(message.vessel_heading),
     )
-    empty = s.HTD(reference=sentence.reference)
-    return None if sentence == empty else sentence
+
+
+def _limit(angle: float | None) -> float | None:
+    """Degrees of a limit; one beyond half a turn is none. In steps of 1e-4 rad, half a turn is a little more."""
+    limit = None if angle is None else round(degrees(angle), 1)
+    return None if limit is None or limit > 180.0 else limit
 
 
 def _rudder_direction(message: HeadingTrackControl) -> s.RudderDirection | None:
@@ -235,6 +248,15 @@ def dpt(truth: Truth, message: WaterDepth, now: float) -> Sentence | None:
 def dbt(truth: Truth, message: WaterDepth, now: float) -> Sentence | None:
     depth = message.depth
     return s.DBT(scaled(depth, FOOT), depth, scaled(depth, FATHOM))
+
+
+def vdr(truth: Truth, message: SetDriftRapidUpdate, now: float) -> Sentence | None:
+    current, reference = message.set, message.set_reference
+    return s.VDR(
+        direction(truth.to_true(current, reference, now)),
+        direction(truth.to_magnetic(current, reference, now)),
+        scaled(message.drift, KNOT),
+    )
 
 
 def mtw(truth: Truth, message: Message, now: float) -> Sentence | None:
@@ -493,6 +515,7 @@ CONVERSIONS = (
     Conversion("VLW", 1, vlw, (DistanceLog,)),
     Conversion("DPT", 1, dpt, (WaterDepth,)),
     Conversion("DBT", 1, dbt, (WaterDepth,)),
+    Conversion("VDR", 1, vdr, (SetDriftRapidUpdate,)),
     Conversion("MTW", 0.5, mtw, SEA),
     Conversion("GLL", 1, gll, (*POSITION, *CLOCK), "GP", clocked=True),
     Conversion("RMC", 1, rmc, COURSE, "GP"),
@@ -506,8 +529,8 @@ CONVERSIONS = (
     Conversion("RMB", 1, rmb, (NavigationData,), "GP"),
     Conversion("APB", 1, apb, (NavigationData,), "GP"),
 )
-RATES = {conversion.formatter: conversion.rate for conversion in CONVERSIONS}
-"""The ceilings in Hz by formatter, as they are without settings."""
+RATES = {conversion.formatter: conversion.rate for conversion in CONVERSIONS} | {OTHERS: ais.RATE}
+"""The ceilings in Hz by formatter, as they are without settings; that of VDM, and VDO, is one for each ship."""
 
 Hear = Callable[[Truth, Any, int, float], bool]
 HEAR: dict[type[Message], Hear] = {
@@ -519,6 +542,7 @@ HEAR: dict[type[Message], Hear] = {
     Attitude: Truth.hear_attitude,
     Speed: Truth.hear_speed,
     DistanceLog: Truth.hear_log,
+    SetDriftRapidUpdate: Truth.hear_current,
     WaterDepth: Truth.hear_depth,
     navigation.PositionRapidUpdate: Truth.hear_position,
     GnssPositionData: Truth.hear_fix,

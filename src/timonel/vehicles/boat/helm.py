@@ -4,7 +4,7 @@ Only this module lets a station's word through to the pilot, and only the comman
 and no PGNs: `vehicle` translates both ways.
 """
 
-from timonel.core.alerts import Alerts
+from timonel.core.alerts import Alerts, Patience
 from timonel.core.command import NOBODY, CommandTransfer, OnTimeout, Transferred, Verb
 from timonel.core.effects import Event, Refused
 from timonel.nmea0183 import parp
@@ -30,9 +30,16 @@ class Helm:
     """Command transfer, pilot and alerts of a boat, told the time."""
 
     def __init__(
-        self, now: float, *, request_timeout: float = 10.0, on_timeout: OnTimeout = OnTimeout.TRANSFER
+        self,
+        now: float,
+        *,
+        request_timeout: float = 10.0,
+        on_timeout: OnTimeout = OnTimeout.TRANSFER,
+        patience: Patience | None = None,
     ) -> None:
-        self.alerts = Alerts()
+        self.mute = False
+        """Whether nothing can be said to the pilot, for want of an address on the bus."""
+        self.alerts = Alerts(patience)
         self.transfer = CommandTransfer(timeout=request_timeout, on_timeout=on_timeout)
         self.pilot = Pilot(self.alerts, now)
 
@@ -51,6 +58,8 @@ class Helm:
         return self._with_alert(effects, now)
 
     def _steer(self, command: parp.Command, station: int, now: float) -> list[Event]:
+        if self.mute and command.verb is not parp.Verb.DISENGAGE:
+            return [Refused("no address on the bus", station)]
         if (change := TURNS.get(command.verb)) is not None:
             return self.pilot.turn(change, station, now)
         match command.verb:

@@ -16,12 +16,18 @@ pilot's report    no command is under way         the truth about mode and set p
 pilot's report    a command is under way          confirms it, or is ignored until the command is 2 s old
 2 s unconfirmed   the pilot was ever heard        alert; the report is the truth again
 
+Pilots differ, and their drivers (`vehicles.boat.pilots`) say how. One that `adopts` chooses its course by its own
+compass when it is engaged, so that engaging it is confirmed by the mode alone; every other course is confirmed only
+by the same course, told. One that is brought to a course step by step has 2 s for each step (`progressed`). A driver
+may object to a course before it is accepted, and may give up one that was.
+
 Nothing here ever engages but the commander. A command is repeated at 1 Hz while it is under way, and a course
 while it is ours: until the pilot reports a mode or a set point that somebody gave it elsewhere. Two heads
 that both repeat would fight over the rudder.
 """
 
-from enum import StrEnum
+from collections.abc import Callable
+from enum import Enum, StrEnum
 
 import msgspec
 
@@ -49,7 +55,16 @@ class Mode(StrEnum):
     UNKNOWN = ""
 
 
+class Manner(Enum):
+    """Why the pilot is told to hold a course now."""
+
+    ENGAGE = "engage"  # hold on to the present heading
+    COURSE = "course"  # hold this course, or let go
+    REPEAT = "repeat"  # the same again
+
+
 # Looked up once: a member of an enum costs as much as a call, and these stand between a key and the rudder.
+ENGAGE, COURSE, REPEAT = Manner.ENGAGE, Manner.COURSE, Manner.REPEAT
 STANDBY, HEADING_HOLD, ALARM, UNKNOWN = Mode.STANDBY, Mode.HEADING_HOLD, Mode.ALARM, Mode.UNKNOWN
 
 
@@ -74,17 +89,22 @@ class PilotReport(msgspec.Struct, frozen=True, gc=False):
 
 
 class Command(msgspec.Struct, frozen=True, gc=False):
-    """A command that the pilot has yet to confirm, by `deadline` (s)."""
+    """A command that the pilot has yet to confirm, by `deadline` (s); `told` is whether it must tell its course."""
 
     mode: Mode
     setpoint: int | None
     deadline: float
+    told: bool = False
 
     def confirmed_by(self, report: PilotReport) -> bool:
         """Whether the pilot does what it was told."""
         if report.mode is not self.mode:
             return False
-        return self.setpoint is None or report.setpoint is None or same_course(self.setpoint, report.setpoint)
+        if self.setpoint is None:
+            return True
+        if report.setpoint is None:
+            return not self.told
+        return same_course(self.setpoint, report.setpoint)
 
 
 def same_course(a: int, b: int) -> bool:
@@ -101,6 +121,12 @@ class Pilot:
     """Mode and set point of the autopilot, told the time."""
 
     def __init__(self, alerts: Alerts, now: float) -> None:
+        self.adopts = False
+        """Whether the pilot itself chooses the course when it is engaged, and tells every course that it holds."""
+        self.objection: Callable[[int, float], str | None] | None = None
+        """Why a set point cannot be commanded at a time (s); None if it can, or if every one can."""
+        self.manner = COURSE
+        """Why the last `Steer` was said."""
         self._alerts = alerts
         self._mode = STANDBY
         self._setpoint: int | None = None
@@ -135,11 +161,20 @@ class Pilot:
         """Whether a command waits for the pilot to confirm it."""
         return self._command is not None
 
+    @property
+    def reported_mode(self) -> Mode | None:
+        """The mode that the pilot itself told last; None if it told none."""
+        return None if self._report is None else self._report.mode
+
     def heading(self, now: float) -> float | None:
         """The present heading in degrees; None if the last one is 3 s old."""
         return self._heading if now < self._heading_heard + DATA_AGE else None
 
     # What the bus tells ---------------------------------------------------------------------------
+
+    def expect_no_bus(self) -> None:
+        """There may be no backbone: one that was never heard is not missed."""
+        self._bus_heard = float("inf")
 
     def bus_heard(self, now: float) -> list[Event]:
         """Any frame came in from the backbone."""
@@ -182,7 +217,11 @@ class Pilot:
         heading = self.heading(now)
         if heading is None:
             return [Refused("no heading", station)]
-        return self._steer(HEADING_HOLD, tenths(heading), now)
+        setpoint = tenths(heading)
+        if self.objection is not None and (reason := self.objection(setpoint, now)) is not None:
+            return [Refused(reason, station)]
+        adopted = self.adopts and self.reported_mode is not HEADING_HOLD
+        return self._steer(HEADING_HOLD, setpoint, now, ENGAGE if adopted else COURSE)
 
     def disengage(self, now: float) -> list[Event]:
         """Let go of the rudder. Always accepted."""
@@ -196,6 +235,8 @@ class Pilot:
         """Hold `setpoint`, tenths of a degree."""
         if self.mode is not HEADING_HOLD:
             return [Refused("not in heading hold", station)]
+        if self.objection is not None and (reason := self.objection(setpoint % TURN, now)) is not None:
+            return [Refused(reason, station)]
         return self._steer(HEADING_HOLD, setpoint % TURN, now)
 
     def turn(self, change: int, station: int, now: float) -> list[Event]:
@@ -203,6 +244,17 @@ class Pilot:
         if self._setpoint is None:
             return [Refused("no set point", station)]
         return self.set_heading(self._setpoint + change, station, now)
+
+    # What the driver says --------------------------------------------------------------------------
+
+    def progressed(self, now: float) -> None:
+        """The pilot followed one of several steps, and has as long for the next."""
+        if self._command is not None:
+            self._command = msgspec.structs.replace(self._command, deadline=now + FOLLOW_TIME)
+
+    def gave_up(self, reason: str, now: float) -> list[Event]:
+        """What is under way will not be brought to its end: the pilot's report is the truth again."""
+        return [] if self._command is None else self._unconfirmed(now, reason)
 
     # Time -----------------------------------------------------------------------------------------
 
@@ -254,8 +306,9 @@ class Pilot:
 
     # How it is done -------------------------------------------------------------------------------
 
-    def _steer(self, mode: Mode, setpoint: int | None, now: float) -> list[Event]:
-        self._command = Command(mode, setpoint, now + FOLLOW_TIME)
+    def _steer(self, mode: Mode, setpoint: int | None, now: float, manner: Manner = COURSE) -> list[Event]:
+        self.manner = manner
+        self._command = Command(mode, None if manner is ENGAGE else setpoint, now + FOLLOW_TIME, self.adopts)
         self._ours = self._may_hold = mode is HEADING_HOLD
         self._repeat_at = now + REPEAT_INTERVAL
         return [*self._show(mode, setpoint), Steer(setpoint)]
@@ -303,12 +356,13 @@ class Pilot:
             return effects
         return effects + self._show(UNKNOWN, None)
 
-    def _unconfirmed(self, now: float) -> list[Event]:
+    def _unconfirmed(self, now: float, reason: str = "") -> list[Event]:
         command, self._command = self._command, None
         if self._report is None or command is None:
             return []
         text = "engage" if command.mode is HEADING_HOLD else "standby"
-        effects = self._alerts.arise(PILOT_NOT_FOLLOWING, f"{text} not followed for {FOLLOW_TIME:g} s", now)
+        why = f": {reason}" if reason else f" for {FOLLOW_TIME:g} s"
+        effects = self._alerts.arise(PILOT_NOT_FOLLOWING, f"{text} not followed{why}", now)
         if now >= self._report_heard + DATA_AGE:
             return effects
         was_ours = self._ours
@@ -344,9 +398,11 @@ class Pilot:
         return self._show(STANDBY, None) + self._release()
 
     def _release(self) -> list[Event]:
+        self.manner = COURSE
         may_hold, self._may_hold = self._may_hold, False
         return [Steer(None)] if may_hold else []
 
     def _repeat(self, now: float) -> list[Event]:
+        self.manner = REPEAT
         self._repeat_at = now + REPEAT_INTERVAL
         return [Steer(self._setpoint)]

@@ -17,6 +17,7 @@ from enum import StrEnum
 from functools import lru_cache
 from math import atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tau
 from random import Random
+from typing import Protocol
 
 import msgspec
 
@@ -61,7 +62,7 @@ from timonel.nmea2000.messages.navigation import (
     SystemTime,
     WaterDepth,
 )
-from timonel.nmea2000.messages.network import IsoAddressClaim, IsoRequest
+from timonel.nmea2000.messages.network import IsoAddressClaim, IsoRequest, ProductInformation
 from timonel.nmea2000.messages.steering import (
     Attitude,
     HeadingTrackControl,
@@ -71,6 +72,7 @@ from timonel.nmea2000.messages.steering import (
     VesselHeading,
 )
 from timonel.nmea2000.registry import is_fast, priority
+from timonel.nmea2000.sender import Outgoing
 
 TICK = 0.05
 """Seconds between two moments of the simulation."""
@@ -152,8 +154,12 @@ class SimulatedPilot:
                 heading_reference=(HeadingReference.TRUE | HeadingReference.MAGNETIC) as reference,
                 heading_to_steer_course=float(course),
             ):
-                self._trim = self._trim if self.engaged else 0.0
-                self.engaged, self.setpoint, self.reference = True, course, reference
+                self.hold(course, reference)
+
+    def hold(self, course: float, reference: HeadingReference) -> None:
+        """Steer `course`, in rad of `reference`."""
+        self._trim = self._trim if self.engaged else 0.0
+        self.engaged, self.setpoint, self.reference = True, course, reference
 
     def steer(self, heading: float, rate: float, speed: float, dt: float) -> float:
         """The rudder ordered, in rad; `heading` is in `reference`."""
@@ -181,6 +187,28 @@ class SimulatedPilot:
             off_heading_limit=radians(20),
             vessel_heading=heading,
         )
+
+
+class Heard(msgspec.Struct, frozen=True, gc=False):
+    """A whole message that somebody put on the bus."""
+
+    pgn: int
+    payload: bytes
+    source: int
+    destination: int
+
+
+class Speaks(Protocol):
+    """A pilot that has words of its own, and the law that it steers by. See `simulated_pilots`."""
+
+    law: SimulatedPilot
+    address: int
+    maker: ManufacturerCode
+    kind: tuple[DeviceClass, int]
+    product: ProductInformation | None
+
+    def receive(self, heard: Heard, heading: float) -> list[Outgoing]: ...
+    def speak(self, tick: int, heading: float, rate: float) -> list[Outgoing]: ...
 
 
 class Sea:
@@ -225,7 +253,8 @@ class SimulatedBoat:
     `start` is the time in unix seconds, `heading` in rad true, `destination` a waypoint (latitude,
     longitude) that the plotter shows the way to. With `magnetic` the compass has deviation and says so, and
     variation comes in PGN 127258 alone; else it gives true headings. `helm` is the rudder (rad) that
-    somebody holds while the pilot is off, `throttle` the speed (m/s) asked of the engine.
+    somebody holds while the pilot is off, `throttle` the speed (m/s) asked of the engine. The pilot is the standard's
+    own, unless it speaks a `dialect`.
     """
 
     def __init__(
@@ -238,9 +267,13 @@ class SimulatedBoat:
         heading: float = radians(45),
         magnetic: bool = False,
         destination: tuple[float, float] | None = None,
+        dialect: Speaks | None = None,
     ) -> None:
         self.hull = Hull(heading, CRUISE)
-        self.pilot = SimulatedPilot()
+        self.pilot = SimulatedPilot() if dialect is None else dialect.law
+        self.dialect = dialect
+        self._pilot_address = PILOT if dialect is None else dialect.address
+        self._devices = FUNCTIONS if dialect is None else _with_pilot(dialect)
         self.latitude, self.longitude = latitude, longitude
         self.helm, self.throttle = 0.0, CRUISE
         self._origin = (latitude, longitude)
@@ -255,7 +288,10 @@ class SimulatedBoat:
         self._faults: set[Fault] = set()
         self._reassembler = Reassembler()
         self._sequences: dict[int, int] = {}
-        self._waiting = [(source, _claim(source)) for source in FUNCTIONS]
+        self._waiting: list[tuple[int, Message]] = [(source, self._claim(source)) for source in self._devices]
+        self._answers: list[Outgoing] = []
+        if dialect is not None and dialect.product is not None:
+            self._waiting.append((dialect.address, dialect.product))
         self._due = [list(self._schedule(tick)) for tick in range(40)]
 
     @property
@@ -284,14 +320,42 @@ class SimulatedBoat:
     def receive(self, frame: Frame) -> None:
         """A frame that somebody else put on the bus."""
         identifier = split(frame.identifier)
-        if Fault.BACKBONE in self._faults or not frame.extended or identifier.source in FUNCTIONS:
+        if Fault.BACKBONE in self._faults or not frame.extended or identifier.source in self._devices:
             return
-        if identifier.pgn == HeadingTrackControl.PGN:
+        if self.dialect is not None and identifier.pgn != IsoRequest.PGN:
+            self._tell_pilot(self.dialect, identifier, frame)
+        elif identifier.pgn == HeadingTrackControl.PGN:
             payload = self._reassembler.receive(frame.identifier, frame.data, self.time)
             if payload is not None and Fault.PILOT_DEAF not in self._faults:
                 self.pilot.receive(HeadingTrackControl.decode(payload))
         elif identifier.pgn == IsoRequest.PGN and IsoRequest.decode(frame.data).pgn == IsoAddressClaim.PGN:
-            self._waiting += [(source, _claim(source)) for source in _asked(identifier)]
+            self._waiting += [(source, self._claim(source)) for source in self._devices if _asked(identifier, source)]
+        elif identifier.pgn == IsoRequest.PGN and self.dialect is not None:
+            self._waiting += self._product(self.dialect, identifier, frame)
+
+    def _product(self, dialect: Speaks, identifier: Identifier, frame: Frame) -> list[tuple[int, Message]]:
+        """What the pilot says it is, if somebody asked for that."""
+        asked = IsoRequest.decode(frame.data).pgn == ProductInformation.PGN and _asked(identifier, dialect.address)
+        return [(dialect.address, dialect.product)] if asked and dialect.product is not None else []
+
+    def tell(self, said: list[Outgoing]) -> None:
+        """What the pilot says besides, at the next tick: somebody stood at its control head."""
+        self._answers += said
+
+    def _tell_pilot(self, dialect: Speaks, identifier: Identifier, frame: Frame) -> None:
+        """Hand a whole message to a pilot with words of its own; it answers at the next tick."""
+        payload: bytes | None = frame.data
+        if is_fast(identifier.pgn):
+            payload = self._reassembler.receive(frame.identifier, frame.data, self.time)
+        if payload is None or Fault.PILOT_DEAF in self._faults:
+            return
+        heard = Heard(identifier.pgn, payload, identifier.source, identifier.destination)
+        self._answers += dialect.receive(heard, self._heading_for_pilot())
+
+    def _claim(self, source: int) -> IsoAddressClaim:
+        pilot = self.dialect is not None and source == self.dialect.address
+        maker = self.dialect.maker if pilot and self.dialect else ManufacturerCode.SIGNAL_K
+        return _claim(source, self._devices[source], maker)
 
     # --- motion ------------------------------------------------------------------------------------------
 
@@ -332,9 +396,9 @@ class SimulatedBoat:
             # every so many ticks, at which of them
             (2, 0, COMPASS, self._heading),
             (2, 0, COMPASS, self._rate_of_turn),
-            (2, 1, PILOT, self._rudder),
+            (2, 1, self._pilot_address, self._rudder),
             (2, 1, GNSS, self._position),
-            (5, 0, PILOT, self._pilot_status),
+            *(((5, 0, PILOT, self._pilot_status),) if self.dialect is None else ()),
             (5, 2, GNSS, self._course_and_speed),
             (10, 4, ANEMOMETER, self._apparent_wind),
             (10, 9, ANEMOMETER, self._true_wind),
@@ -365,13 +429,26 @@ class SimulatedBoat:
         for source, build in self._due[self._ticks % 40]:
             if source not in silent:
                 frames += self._frames(source, build())
-        return frames
+        return frames if self.dialect is None else frames + self._said_by_pilot(self.dialect)
+
+    def _said_by_pilot(self, dialect: Speaks) -> list[Frame]:
+        """Its answers, and what it says by itself."""
+        answers, self._answers = self._answers, []
+        said = answers + dialect.speak(self._ticks, self._heading_for_pilot(), self.hull.rate)
+        return [frame for message in said for frame in self._fragments(message, dialect.address)]
+
+    def _fragments(self, message: Outgoing, source: int) -> list[Frame]:
+        urgency = priority(message.pgn) if message.priority is None else message.priority
+        return self._cut(join(urgency, message.pgn, source, message.destination), message.pgn, message.payload)
 
     # Some sixty times a second of simulated time.
     def _frames(self, source: int, message: Message) -> list[Frame]:
         identifier, fast = _route(message.PGN or 0, source)
         payload = message.encode()
-        if not fast:
+        return self._cut(identifier, message.PGN or 0, payload) if fast else [Frame(identifier, payload)]
+
+    def _cut(self, identifier: int, pgn: int, payload: bytes) -> list[Frame]:
+        if not is_fast(pgn):
             return [Frame(identifier, payload)]
         sequence = self._sequences.get(identifier, 0)
         self._sequences[identifier] = sequence + 1
@@ -581,23 +658,27 @@ def _route(pgn: int, source: int) -> tuple[int, bool]:
     return join(priority(pgn), pgn, source), is_fast(pgn)
 
 
-def _claim(source: int) -> IsoAddressClaim:
-    device_class, function = FUNCTIONS[source]
+def _with_pilot(dialect: Speaks) -> dict[int, tuple[DeviceClass, int]]:
+    """The devices with that pilot in the place of the standard's own."""
+    return {source: kind for source, kind in FUNCTIONS.items() if source != PILOT} | {dialect.address: dialect.kind}
+
+
+def _claim(source: int, kind: tuple[DeviceClass, int], maker: ManufacturerCode) -> IsoAddressClaim:
     return IsoAddressClaim(
         unique_number=0x1F0000 + source,
-        manufacturer_code=ManufacturerCode.SIGNAL_K,  # the one that free software may use
+        manufacturer_code=maker,  # Signal K's is the one that free software may use
         device_instance_lower=0,
         device_instance_upper=0,
-        device_function=function,
-        device_class=device_class,
+        device_function=kind[1],
+        device_class=kind[0],
         system_instance=0,
         industry_group=IndustryCode.MARINE,
         arbitrary_address_capable=YesNoBit.NO,
     )
 
 
-def _asked(identifier: Identifier) -> list[int]:
-    return [source for source in FUNCTIONS if identifier.destination in (GLOBAL, source)]
+def _asked(identifier: Identifier, source: int) -> bool:
+    return identifier.destination in (GLOBAL, source)
 
 
 def _direction(order: float) -> DirectionRudder:

@@ -9,8 +9,8 @@ true = magnetic + variation, magnetic = compass + deviation, east positive.
 """
 
 from collections.abc import Callable
-from math import tau
-from typing import Generic, TypeVar
+from math import inf, tau
+from typing import Any, Generic, TypeVar
 
 import msgspec
 
@@ -30,6 +30,7 @@ from timonel.nmea2000.messages.navigation import (
     NavigationData,
     NavigationRouteWpInformation,
     PositionRapidUpdate,
+    SetDriftRapidUpdate,
     Speed,
     SystemTime,
     TimeDate,
@@ -57,6 +58,8 @@ FIRST_DAY = 10957  # 2000-01-01: no NMEA 2000 device is older, but many say 1970
 MOST_WAYPOINTS = 1000  # names kept; a route has fewer
 TIME_AGE = 2.0  # s that a clock reading may be used for a position
 NEVER = float("-inf")
+LOST = 1 << 12
+"""Ranks from here on are of sources that say themselves that they have nothing: a receiver without a fix."""
 
 WINDS = {
     WindReference.APPARENT: (WindReference.APPARENT, 0),
@@ -66,6 +69,11 @@ WINDS = {
     WindReference.MAGNETIC_NORTH: (WindReference.TRUE_NORTH, 2),
 }
 """Which wind a reference tells of, and its rank: one is felt, one is against the water, one has a direction."""
+WIND_NAMES: dict[int, str] = {
+    WindReference.APPARENT: "apparent",
+    WindReference.TRUE_WATER: "true",
+    WindReference.TRUE_NORTH: "ground",
+}
 
 
 class Datum(Generic[T]):
@@ -96,6 +104,15 @@ class Datum(Generic[T]):
     def heard(self) -> float:
         """When the value was told, s; minus infinity if there is none, or it was taken back."""
         return self._heard
+
+    @property
+    def source(self) -> int:
+        """Who told it: an address on the bus, or more than that (`sources`); -1 if nobody has."""
+        return self._source
+
+    def told_by(self, source: int, now: float) -> bool:
+        """Whether `source` told the value at `now`, and not for want of a better one (`LOST`)."""
+        return source == self._source and now == self._heard and self._rank < LOST
 
     def withdraw(self, source: int) -> None:
         """`source` takes back what it told: there is no value, and whoever speaks next is heard."""
@@ -129,31 +146,52 @@ class Clock:
         return self.day * SECONDS_A_DAY + self.second
 
 
-class Truth:
-    """Everything known, by message; each `hear_` method returns whether the message was taken."""
+NewDatum = Callable[[str, float], Datum[Any]]
+"""Makes the datum of a name, and of a time that its source may be silent (s)."""
 
-    def __init__(self, age: float, variation_model: VariationModel | None = None) -> None:
+
+def plain(name: str, hold: float) -> Datum[Any]:
+    """A datum whose sources are all alike."""
+    return Datum(hold)
+
+
+class Truth:
+    """Everything known, by message; each `hear_` method returns whether the message was taken.
+
+    A position whose HDOP is above `hdop_limit` counts as one without a fix.
+    """
+
+    def __init__(
+        self,
+        age: float,
+        variation_model: VariationModel | None = None,
+        datum: NewDatum = plain,
+        hdop_limit: float | None = None,
+    ) -> None:
         self._age = age
         self._model = variation_model
         self._modelled: tuple[tuple[int, int, int], float] | None = None
-        self.true: Datum[Heading] = Datum(FAST)
-        self.magnetic: Datum[Heading] = Datum(FAST)
-        self.told_variation: Datum[float] = Datum(SLOW)
-        self.rate: Datum[RateOfTurn] = Datum(FAST)
-        self.attitude: Datum[Attitude] = Datum(SLOW)
-        self.rudder: Datum[float] = Datum(FAST)
-        self.position: Datum[tuple[float, float]] = Datum(FAST)
-        self.fix: Datum[GnssPositionData] = Datum(SLOW)
-        self.course: Datum[CogSogRapidUpdate] = Datum(FAST)
-        self.clock: Datum[Clock] = Datum(FAST)  # half of `TIME_AGE`
-        self.speed: Datum[Speed] = Datum(SLOW)
-        self.depth: Datum[WaterDepth] = Datum(SLOW)
-        self.log: Datum[DistanceLog] = Datum(SLOW)
+        self._datum = datum
+        self._hdop_limit = inf if hdop_limit is None else hdop_limit
+        self.true: Datum[Heading] = datum("true heading", FAST)
+        self.magnetic: Datum[Heading] = datum("magnetic heading", FAST)
+        self.told_variation: Datum[float] = datum("variation", SLOW)
+        self.rate: Datum[RateOfTurn] = datum("rate of turn", FAST)
+        self.attitude: Datum[Attitude] = datum("attitude", SLOW)
+        self.rudder: Datum[float] = datum("rudder", FAST)
+        self.position: Datum[tuple[float, float]] = datum("position", FAST)
+        self.fix: Datum[GnssPositionData] = datum("fix", SLOW)
+        self.course: Datum[CogSogRapidUpdate] = datum("course", FAST)
+        self.clock: Datum[Clock] = datum("time", FAST)  # half of `TIME_AGE`
+        self.speed: Datum[Speed] = datum("speed", SLOW)
+        self.depth: Datum[WaterDepth] = datum("depth", SLOW)
+        self.log: Datum[DistanceLog] = datum("log", SLOW)
+        self.current: Datum[SetDriftRapidUpdate] = datum("current", SLOW)
         self.pilot: Datum[HeadingTrackControl] = Datum(SLOW)
-        self.navigation: Datum[NavigationData] = Datum(SLOW)
-        self.cross_track: Datum[CrossTrackError] = Datum(SLOW)
+        self.navigation: Datum[NavigationData] = datum("navigation", SLOW)
+        self.cross_track: Datum[CrossTrackError] = datum("cross track", SLOW)
         self.waypoint_names: dict[int, str] = {}
-        self.sea_temperature: Datum[float] = Datum(2 * SLOW)  # 130312 and 130316 come every 2 s
+        self.sea_temperature: Datum[float] = datum("water temperature", 2 * SLOW)  # 130312, 130316 come every 2 s
         self.winds: dict[int, Datum[WindData]] = {}
         self._without_fix: set[int] = set()
 
@@ -203,13 +241,17 @@ class Truth:
         return message.variation is not None and self.told_variation.offer(message.variation, now, source)
 
     def hear_rudder(self, message: Rudder, source: int, now: float) -> bool:
-        """127245: the rudder itself, before any order to it. Some send position and order in messages of their own."""
-        return message.position is not None and self.rudder.offer(message.position, now, source)
+        """127245: the rudder itself, before any order to it. Some send position and order in messages of their own.
+
+        Of two rudders it is the first one, or the starboard one: instance 0, or what has no number.
+        """
+        rank = 1 if message.instance == 1 else 0
+        return message.position is not None and self.rudder.offer(message.position, now, source, rank)
 
     def hear_pilot(self, message: HeadingTrackControl, source: int, now: float) -> bool:
         """127237: its rudder order stands in for a rudder that nobody measures (spec/boat.md)."""
         if message.commanded_rudder_angle is not None:
-            self.rudder.offer(message.commanded_rudder_angle, now, source, rank=1)
+            self.rudder.offer(message.commanded_rudder_angle, now, source, rank=2)
         return self.pilot.offer(message, now, source)
 
     def hear_speed(self, message: Speed, source: int, now: float) -> bool:
@@ -225,18 +267,24 @@ class Truth:
         told = message.log is not None or message.trip_log is not None
         return told and self.log.offer(message, now, source)
 
+    def hear_current(self, message: SetDriftRapidUpdate, source: int, now: float) -> bool:
+        """129291."""
+        told = message.set is not None or message.drift is not None
+        return told and self.current.offer(message, now, source)
+
     def hear_position(self, message: PositionRapidUpdate, source: int, now: float) -> bool:
         """129025. Of a receiver that says to have no fix, a position is the last resort."""
         if message.latitude is None or message.longitude is None:
             self.position.withdraw(source)
             return False
-        rank = 2 if source in self._without_fix else 0
+        rank = LOST if source in self._without_fix else 0
         return self.position.offer((message.latitude, message.longitude), now, source, rank)
 
     def hear_fix(self, message: GnssPositionData, source: int, now: float) -> bool:
         """129029: position, time and how good they are. A lost fix is told at once, unless another has one."""
         latitude, longitude = message.latitude, message.longitude
-        lost = message.method is GnssMethod.NONE or latitude is None or longitude is None
+        vague = message.hdop is not None and message.hdop > self._hdop_limit
+        lost = message.method is GnssMethod.NONE or latitude is None or longitude is None or vague
         if lost:
             self._without_fix.add(source)
             self.position.withdraw(source)
@@ -244,9 +292,9 @@ class Truth:
         else:
             self._without_fix.discard(source)
         if latitude is not None and longitude is not None:
-            self.position.offer((latitude, longitude), now, source, rank=3 if lost else 1)
+            self.position.offer((latitude, longitude), now, source, rank=LOST + 1 if lost else 1)
         self._hear_clock(message.date, message.time, now, source, rank=0)
-        return self.fix.offer(message, now, source, rank=1 if lost else 0)
+        return self.fix.offer(message, now, source, rank=LOST if lost else 0)
 
     def hear_course(self, message: CogSogRapidUpdate, source: int, now: float) -> bool:
         """129026."""
@@ -272,7 +320,7 @@ class Truth:
         lost = message.xte is None
         if lost:
             self.cross_track.withdraw(source)
-        return self.cross_track.offer(message, now, source, rank=1 if lost else 0)
+        return self.cross_track.offer(message, now, source, rank=LOST if lost else 0)
 
     def hear_navigation(self, message: NavigationData, source: int, now: float) -> bool:
         """129284."""
@@ -296,7 +344,7 @@ class Truth:
         told = (message.wind_speed is not None) + (message.wind_angle is not None)
         datum = self.winds.get(wind)
         if datum is None:
-            datum = self.winds[wind] = Datum(FAST)
+            datum = self.winds[wind] = self._datum(f"{WIND_NAMES[wind]} wind", FAST)
         return told > 0 and datum.offer(message, now, source, rank + 2 - told)
 
     def hear_extended_temperature(self, message: TemperatureExtendedRange, source: int, now: float) -> bool:
@@ -327,9 +375,9 @@ class Truth:
     def variation(self, now: float) -> float | None:
         """East positive: as 127258 tells, else as a compass tells, else as the model computes."""
         told = self.told_variation.at(now, self._age)
-        return self._model_variation() if told is None else told
+        return self.model_variation() if told is None else told
 
-    def _model_variation(self) -> float | None:
+    def model_variation(self) -> float | None:
         """At the last known position and date; computed anew after a tenth of a degree or a day."""
         if self._model is None or self.position.value is None or self.clock.value is None:
             return None

@@ -16,6 +16,7 @@ import {wheels} from "./cockpit/wheels.js";
 import {html, set} from "./dom.js";
 import {t} from "./i18n.js";
 import {commandBar} from "./views/command_bar.js";
+import {pairings} from "./views/station.js";
 import {topBar} from "./views/top_bar.js";
 
 /** @typedef {import("./app.js").Console} Console */
@@ -70,11 +71,12 @@ export async function cockpit(console) {
     box.append(one.node);
     return one;
   });
+  const asking = pairings(console);
   const page = html("main", {class: "cockpit"});
   page.append(html("h1", {class: "spoken"}, console.store.state.name), top.node, command.node, tabs(page, Object.keys(panes)), ...Object.entries(panes).map(([name, parts]) =>
     html("div", {class: "pane", "data-page": name, role: "group", "aria-label": t(`pages.${name}`), tabindex: "0"}, ...parts.map((part) => part.node))),
-  stopKey.node, ...top.dialogs);
-  const views = [top, command, ...Object.values(panes).flat(), stopKey, ...others];
+  asking.node, stopKey.node, ...top.dialogs);
+  const views = [top, command, asking, ...Object.values(panes).flat(), stopKey, ...others];
 
   /** @param {State} state @param {number} local */
   function draw(state, local) {

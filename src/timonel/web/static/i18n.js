@@ -34,7 +34,37 @@ export function t(key, values = {}) {
   return (words[key] ?? key).replace(/\{(\w+)\}/g, (whole, name) => String(values[name] ?? whole));
 }
 
-/** The words for what the gateway says in English, if there are any. @param {string} prefix @param {string} text */
+/** @typedef {{key: string, shape: RegExp, literal: number}} Shape */
+
+/** What the keys with places look like in the gateway's words, by what they begin with. @type {Map<string, Shape[]>} */
+const shapes = new Map();
+
+/** The keys with places, the most particular first. @param {string} prefix @returns {Shape[]} */
+function shaped(prefix) {
+  const begin = `${prefix}.`;
+  const found = shapes.get(prefix) ?? Object.keys(words).filter((key) => key.startsWith(begin) && key.includes("{")).map((key) => {
+    const plain = key.slice(begin.length).replace(/[.*+?^$|()[\]\\]/g, "\\$&");
+    const shape = plain.replace(/\{(\w+)\}/g, (_, name) => (name === "number" ? "(?<number>\\d+)" : `(?<${name}>.+?)`));
+    return {key, shape: new RegExp(`^${shape}$`), literal: plain.replace(/\{\w+\}/g, "").length};
+  }).sort((one, other) => other.literal - one.literal);
+  shapes.set(prefix, found);
+  return found;
+}
+
+/**
+ * The words for what the gateway says in English, if there are any. A key may have places for what changes, which is
+ * translated too: "station {number}" is what "station 2" is looked up by.
+ *
+ * @param {string} prefix
+ * @param {string} text
+ * @returns {string}
+ */
 export function translated(prefix, text) {
-  return words[`${prefix}.${text}`] ?? text;
+  const exact = words[`${prefix}.${text}`];
+  if (exact !== undefined) return exact;
+  for (const {key, shape} of shaped(prefix)) {
+    const places = shape.exec(text)?.groups;
+    if (places !== undefined) return t(key, Object.fromEntries(Object.entries(places).map(([name, value]) => [name, translated(prefix, value)])));
+  }
+  return text;
 }

@@ -97,7 +97,11 @@ export interface LinkState {
   at: number | null;
 }
 
-/** An alert as all stations see it. Silenced until `silenced_until`, it makes no sound and stays. */
+/**
+ * An alert as all stations see it. Silenced until `silenced_until`, it makes no sound and stays.
+ *
+ * `announced` is how often it was announced again because nobody acknowledged it.
+ */
 export interface AlertState {
   id: number;
   name: string;
@@ -107,6 +111,7 @@ export interface AlertState {
   acknowledged: boolean;
   silenced_until: number | null;
   since: number;
+  announced: number;
 }
 
 /** Something that happened `times` times in a row, the last time at `at`. */
@@ -252,6 +257,25 @@ export interface OwnFrame {
   quality: Quality;
 }
 
+/**
+ * A device on the NMEA 2000 bus; `ours` is the gateway itself. What it has not told is null.
+ *
+ * `name` is its NAME in hexadecimal digits, `function` what it says that it is, `since` when it was first heard.
+ */
+export interface DeviceState {
+  address: number | null;
+  name: string;
+  maker: string;
+  model: string | null;
+  software: string | null;
+  serial: string | null;
+  function: string;
+  instance: number;
+  installation: string | null;
+  since: number;
+  ours: boolean;
+}
+
 /** All topics of a boat. Rudder and rate of turn are positive to starboard, variation to the east; utc is in s. */
 export interface BoatTopics {
   command: CommandState;
@@ -269,6 +293,7 @@ export interface BoatTopics {
   position: Position;
   utc: Measured;
   variation: Measured;
+  devices: DeviceState[];
   links: LinkState[];
   alerts: AlertState[];
   events: Happening[];

@@ -22,6 +22,12 @@ export async function mustSignIn() {
   return !outcome.ok && (outcome.status === 401 || outcome.status === 403);
 }
 
+/** The nearest zoom of the map tiles that the gateway has; null for none. @returns {Promise<number | null>} */
+export async function nearestTiles() {
+  const outcome = await call("about");
+  return (outcome.ok ? outcome.answer.tiles : null) ?? null;
+}
+
 /** @param {string} token */
 export const signIn = (token) => call("login", {token});
 

@@ -30,7 +30,7 @@ export function createSound() {
   let asking = 0;
   let alarmDue = 0;
   let warningDue = 0;
-  /** @type {Set<number>} */
+  /** @type {Set<string>} */
   let warned = new Set();
 
   function wake() {
@@ -69,13 +69,13 @@ export function createSound() {
   function alerts(state, local) {
     const clock = state.clock + (local - state.heard);
     const heard = state.live ? (state.topics.alerts ?? []).filter((alert) => audible(alert, clock)) : [];
-    const warnings = new Set(heard.filter((alert) => alert.priority === "warning").map((alert) => alert.id));
+    const warnings = new Set(heard.filter((alert) => alert.priority === "warning").map(({id, announced}) => `${id} ${announced}`));
     if (heard.some((alert) => alert.priority === "alarm")) {
       if (local >= alarmDue) {
         play(ALARM);
         alarmDue = local + ALARM_AGAIN;
       }
-    } else if (warnings.size > 0 && (local >= warningDue || [...warnings].some((id) => !warned.has(id)))) {
+    } else if (warnings.size > 0 && (local >= warningDue || [...warnings].some((warning) => !warned.has(warning)))) {
       play(WARNING);
       warningDue = local + WARNING_AGAIN;
     }

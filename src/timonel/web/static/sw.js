@@ -24,5 +24,5 @@ async function shell(request) {
 worker.addEventListener("fetch", (/** @type {any} */ event) => {
   const {request} = event;
   const url = new URL(request.url);
-  if (request.method === "GET" && url.origin === location.origin && !url.pathname.startsWith("/api/")) event.respondWith(shell(request));
+  if (request.method === "GET" && url.origin === location.origin && !/^\/(api|tiles)\//.test(url.pathname)) event.respondWith(shell(request));
 });

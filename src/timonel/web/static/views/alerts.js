@@ -38,7 +38,7 @@ function row({socket}) {
     id = alert.id;
     setIcon(mark, symbol(alert, clock));
     setText(title, `${t(`priority.${alert.priority}`)}: ${name(alert)}`);
-    setText(text, alert.text);
+    setText(text, translated("alert_text", alert.text));
     setText(since, age(clock - alert.since));
     set(node, "data-priority", alert.priority);
     set(node, "data-acknowledged", alert.acknowledged);
@@ -87,6 +87,7 @@ export function alerts(console) {
     setIcon(mark, first === undefined ? "alerts" : symbol(first, clock));
     setText(title, first === undefined ? t("alert.none") : name(first));
     setText(count, standing.length > 1 ? String(standing.length) : "");
+    set(chip, "aria-label", `${title.textContent} ${count.textContent}`.trim()); // a small screen has no room for either
     setText(spoken, first === undefined || first.acknowledged ? "" : `${t(`priority.${first.priority}`)}: ${name(first)}`);
     show(none, standing.length === 0);
     if (box.open) drawList(standing, clock, state.you.station !== null);

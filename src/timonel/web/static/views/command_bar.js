@@ -2,7 +2,7 @@
 /** Who has command, who asks for it and how long the commander may still answer; the same on every station. */
 
 import {html, icon, set, setIcon, setText, show, svg} from "../dom.js";
-import {t} from "../i18n.js";
+import {t, translated} from "../i18n.js";
 import {inCommand, now} from "../store.js";
 import {age} from "../units.js";
 
@@ -96,7 +96,7 @@ export function commandBar({store, socket}) {
     const last = state.topics.events?.findLast((one) => one.kind === "command");
     setText(name, {lost: t("link.lost"), nobody: t("command.nobody"), ours: command?.commander_name ?? "", other: command?.commander_name ?? ""}[kind]);
     setText(says, {lost: "", nobody: "", ours: t("command.ours"), other: t("command.has")}[kind]);
-    setText(line, kind === "lost" || last === undefined ? "" : `${last.text} · ${age(now(state, local) - last.at)}`);
+    setText(line, kind === "lost" || last === undefined ? "" : `${translated("event", last.text)} · ${age(now(state, local) - last.at)}`);
     const head = state.live ? command?.queue[0] : undefined;
     const left = command?.deadline == null ? null : Math.max(0, command.deadline - now(state, local));
     set(node, "data-asked", head !== undefined);

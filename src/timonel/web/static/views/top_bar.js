@@ -1,7 +1,7 @@
 // @ts-check
 /** The top line of every page: the links' lamps, the time, the alert chip, settings, and whose console this is. */
 
-import {html, set, setText} from "../dom.js";
+import {html, set, setText, show} from "../dom.js";
 import {t, translated} from "../i18n.js";
 import {now, valid} from "../store.js";
 import {age, utc} from "../units.js";
@@ -13,9 +13,36 @@ import {station} from "./station.js";
 /** @typedef {import("../store.js").State} State */
 /** @typedef {import("../app.js").Console} Console */
 /** @typedef {import("../messages.d.ts").LinkState} LinkState */
+/** @typedef {import("../messages.d.ts").DeviceState} DeviceState */
 
 /** @type {Record<LinkState["kind"], string>} */
 const ARROWS = {bus: "", in: "▸", out: "◂", gnss: ""};
+
+/** @param {DeviceState} device */
+const row = (device) => html("li", {class: "device"},
+  html("strong", {class: "address"}, device.address === null ? t("device.homeless") : String(device.address)),
+  html("span", {class: "words"},
+    html("span", {}, [device.maker, device.model ?? device.function].filter(Boolean).join(" ") + (device.ours ? ` (${t("device.us")})` : "")),
+    html("span", {class: "kind"}, [device.model && device.function, device.software, device.serial, device.installation].filter(Boolean).join(" · "))));
+
+/** Who is on the bus. */
+function roll() {
+  const title = html("h3", {}, t("device.title"));
+  const list = html("ul", {class: "device-list"});
+  const node = html("section", {}, title, list);
+  /** @type {DeviceState[] | undefined} */
+  let drawn;
+
+  /** @param {State} state */
+  function draw(state) {
+    const devices = state.topics.devices;
+    show(node, devices !== undefined);
+    if (devices === drawn || devices === undefined) return;
+    drawn = devices;
+    list.replaceChildren(...(devices.length ? devices.map(row) : [html("li", {class: "device kind"}, t("device.none"))]));
+  }
+  return {node, draw};
+}
 
 /** @param {LinkState} link */
 const short = (link) => (link.kind === "bus" ? "CAN" : link.kind === "gnss" ? "GNSS" : link.name);
@@ -25,7 +52,8 @@ function lamps() {
   const spoken = html("span", {class: "spoken"});
   const list = html("ul", {class: "link-list"});
   const sum = html("span", {class: "sum", "aria-hidden": "true"});
-  const box = dialog("links", t("link.title"), list);
+  const devices = roll();
+  const box = dialog("links", t("link.title"), list, devices.node);
   const button = html("button", {class: "lamp-button", type: "button", "aria-haspopup": "dialog", click: () => open(box)}, all, sum, spoken);
 
   /** @param {LinkState[]} links */
@@ -55,6 +83,7 @@ function lamps() {
       const why = link.reason ? ` · ${translated("reason", link.reason)}` : "";
       setText(/** @type {Element} */ (list.children[place].lastElementChild), `${t(connected ? "link.up" : "link.down")} ${since}${why}`);
     });
+    if (box.open) devices.draw(state);
   }
   return {button, box, draw};
 }

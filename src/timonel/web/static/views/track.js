@@ -1,9 +1,9 @@
 // @ts-check
-/** Where the boat is and was: a graticule, the track and a scale. No map is needed and nothing is fetched. */
+/** Where the boat is and was: a graticule, the track and a scale, over the gateway's own map tiles if it has some. */
 
 import {html, svg} from "../dom.js";
 import {t} from "../i18n.js";
-import {past} from "../session.js";
+import {nearestTiles, past} from "../session.js";
 import {now, valid} from "../store.js";
 import {degrees, latitude, longitude} from "../units.js";
 
@@ -12,6 +12,7 @@ import {degrees, latitude, longitude} from "../units.js";
 const KEPT = 3600; // points of the track
 const STEP = 1; // s
 const ZOOM = 16;
+const NEAREST = 19;
 const MILE = 1852; // m
 const STEPS = [1 / 600, 1 / 300, 1 / 120, 1 / 60, 1 / 30, 1 / 12, 1 / 6, 0.5, 1, 2, 5, 10, 30]; // degrees between lines
 
@@ -75,7 +76,7 @@ export function track() {
   async function start() {
     starting = true;
     const L = await import("../vendor/leaflet.js");
-    const map = L.map(place, {attributionControl: false, zoomControl: false, minZoom: 3, maxZoom: 19, zoomAnimation: false, fadeAnimation: false, inertia: false, keyboard: false});
+    const map = L.map(place, {attributionControl: false, zoomControl: false, minZoom: 3, maxZoom: NEAREST, zoomAnimation: false, fadeAnimation: false, inertia: false, keyboard: false});
     const boat = svg("svg", {viewBox: "-20 -20 40 40", width: 40, height: 40, "aria-hidden": "true"}, svg("path", {class: "own", d: "M0 -17C6 -9 8 2 5 15H-5C-8 2 -6 -9 0 -17Z"}));
     map.setView(points.at(-1) ?? [0, 0], ZOOM);
     const line = L.polyline(points, {className: "track-line", interactive: false, weight: 2, smoothFactor: 1.5}).addTo(map);
@@ -83,6 +84,7 @@ export function track() {
     holder.append(boat);
     const marker = L.marker(points.at(-1) ?? [0, 0], {icon: L.divIcon({className: "own-boat", html: holder, iconSize: [40, 40], iconAnchor: [20, 20]}), interactive: false, keyboard: false}).addTo(map);
     graticule(L, map);
+    spread(L, map);
     /** @param {string} key @param {string} sign @param {() => void} act */
     const button = (key, sign, act) => html("button", {class: "key map-key", type: "button", "aria-label": t(key), click: act}, sign);
     node.append(scaleBar(map), html("div", {class: "map-keys"}, button("track.nearer", "+", () => map.zoomIn()), button("track.farther", "−", () => map.zoomOut()),
@@ -95,6 +97,12 @@ export function track() {
     new ResizeObserver(() => map.invalidateSize({pan: false})).observe(place);
     chart = {map, line, marker, boat};
     await recall();
+  }
+
+  /** A map below it all. @param {typeof import("leaflet")} L @param {import("leaflet").Map} map */
+  async function spread(L, map) {
+    const nearest = await nearestTiles();
+    if (nearest !== null) L.tileLayer("tiles/{z}/{x}/{y}.png", {maxNativeZoom: nearest, maxZoom: NEAREST, keepBuffer: 1}).addTo(map);
   }
 
   /** What was before we came. */
