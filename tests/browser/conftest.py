@@ -9,7 +9,7 @@ from tests.browser.chromium import launch
 from tests.browser.demo import Demo
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")  # a loop that runs on would be in the way of the tests behind
 def browser() -> Iterator[Browser]:
     """Debian's Chromium."""
     with sync_playwright() as playwright:
