@@ -1,5 +1,7 @@
 """Which sentence a formatter means, and the way from received bytes to a typed sentence."""
 
+from functools import lru_cache
+
 from timonel.nmea0183 import sentences
 from timonel.nmea0183.checksum import Fault, verify
 from timonel.nmea0183.fields import GUARD
@@ -13,10 +15,12 @@ SENTENCES: dict[bytes, type[Sentence]] = {
 """Formatter -> typed sentence."""
 
 
+@lru_cache(maxsize=256)
 def parse(sentence: bytes) -> Sentence | Fault:
     """The typed sentence of one framed sentence of any talker, or why there is none.
 
-    A check sum is required. Runs once a sentence, so it is written for speed.
+    A check sum is required. Runs once a sentence, so it is written for speed; what instruments say again and again,
+    as those of a boat at rest do, is remembered.
     """
     body = verify(sentence)
     if not isinstance(body, bytes):

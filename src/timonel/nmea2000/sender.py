@@ -1,5 +1,7 @@
 """From messages to frames of the bus: our address, a priority, and fast packets with counters of their own."""
 
+from functools import lru_cache
+
 import msgspec
 
 from timonel.core.frame import Frame
@@ -24,6 +26,12 @@ def outgoing(message: Message, destination: int = GLOBAL) -> Outgoing:
     return Outgoing(message.PGN, message.encode(), destination)
 
 
+@lru_cache(maxsize=1024)
+def _way(pgn: int, urgency: int | None, address: int, destination: int) -> tuple[int, bool]:
+    """The identifier, and whether it travels as fast packet."""
+    return join(priority(pgn) if urgency is None else urgency, pgn, address, destination), is_fast(pgn)
+
+
 class Sender:
     """Makes frames that come from `address`, which may change while we run."""
 
@@ -36,9 +44,9 @@ class Sender:
 
         The counter of a PGN's fast packets turns with each message. Raises EncodeError for a payload above 223 bytes.
         """
-        pgn, urgency = message.pgn, message.priority
-        identifier = join(priority(pgn) if urgency is None else urgency, pgn, self.address, message.destination)
-        if not is_fast(pgn):
+        pgn = message.pgn
+        identifier, fast = _way(pgn, message.priority, self.address, message.destination)
+        if not fast:
             return [Frame(identifier, message.payload)]
         sequence = self._sequences.get(pgn, 0)
         self._sequences[pgn] = (sequence + 1) % 8

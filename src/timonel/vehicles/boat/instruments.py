@@ -130,7 +130,10 @@ class Talk:
 
     def prefers(self, what: str, now: float, rank: int) -> bool:
         """Whether no better sentence has told `what` of late; a lower `rank` is better."""
-        return self._best.setdefault(what, Datum(TOGETHER)).offer(None, now, 0, rank)
+        best = self._best.get(what)
+        if best is None:
+            best = self._best[what] = Datum(TOGETHER)
+        return best.offer(None, now, 0, rank)
 
     def fix_is_news(self, found: bool) -> bool:
         """Whether a fix, or that there is none, is worth telling: who never had one has nothing to take back."""
