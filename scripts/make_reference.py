@@ -65,9 +65,12 @@ Written by `scripts/make_reference.py` from the table of routes in `timonel.web.
 
 NMEA 0183, NMEA 2000 and the rover's frames know no identity: whoever has a wire is believed, within what its port may
 say. A port commands as its own station and no other; listeners (`[[output]]`) and instruments (`[[input]]`) never
-command. One exception is yours to make: a raw NMEA 2000 output with `transmit = true` puts on the bus what its listeners
-send, past command transfer, as a second plotter on the backbone could. It is off by default; keep such a port on this
-computer. By MQTT somebody commands only if `station` pairs the broker with one. The console is for a network, where everything is hostile until it has shown otherwise; [console.md](console.md) tells how it is set up.
+command. One exception is yours to make: a raw NMEA 2000 output with `transmit = true` puts on the bus what its
+listeners send, past command transfer, as a second plotter on the backbone could. It is off by default; keep such a
+port on this computer. By MQTT somebody commands only if `station` pairs the broker with one.
+
+The console is for a network, where everything is hostile until it has shown otherwise; [console.md](console.md) tells
+how it is set up.
 
 ## The console
 
