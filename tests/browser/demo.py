@@ -37,19 +37,21 @@ class Demo:
     def start(self) -> None:
         """Start it and wait until it serves."""
         self.program.start()
-        wait_until(self._serves, "the console is served", 30.0)
+        wait_until(lambda: serves(self.program, self.url), "the console is served", 30.0)
 
     def stop(self) -> None:
         """As a power cut would."""
         self.program.kill()
 
-    def _serves(self) -> bool:
-        assert not self.program.ended, self.program.log_path.read_text()
-        try:
-            with urllib.request.urlopen(f"{self.url}api/v1/about", timeout=2) as answer:
-                return bool(answer.status == 200)
-        except (urllib.error.URLError, OSError):
-            return False
+
+def serves(program: Program, url: str) -> bool:
+    """Whether a program that runs serves its console at `url`."""
+    assert not program.ended, program.log_path.read_text()
+    try:
+        with urllib.request.urlopen(f"{url}api/v1/about", timeout=2) as answer:
+            return bool(answer.status == 200)
+    except (urllib.error.URLError, OSError):
+        return False
 
 
 def _pair() -> int:

@@ -1,13 +1,11 @@
 """A gateway with a token, as one that others reach; its bus is silent."""
 
 import re
-import urllib.error
-import urllib.request
 from pathlib import Path
 
 from playwright.sync_api import Browser, expect
 
-from tests.browser.demo import wait_until
+from tests.browser.demo import serves, wait_until
 from tests.browser.station import Console
 from tests.program import Program, free_port
 
@@ -47,18 +45,10 @@ class Guarded:
 
     def start(self) -> None:
         self.program.start()
-        wait_until(self._serves, "the console is served", 30.0)
+        wait_until(lambda: serves(self.program, self.url), "the console is served", 30.0)
 
     def stop(self) -> None:
         self.program.kill()
-
-    def _serves(self) -> bool:
-        assert not self.program.ended, self.program.log_path.read_text()
-        try:
-            with urllib.request.urlopen(f"{self.url}api/v1/about", timeout=2):
-                return True
-        except (urllib.error.URLError, OSError):
-            return False
 
     def digits(self) -> str:
         """Those that the log told last."""

@@ -16,7 +16,8 @@ from timonel.nmea0183.vdm import AisRadio, VdmReader, VdmWriter
 from timonel.nmea2000 import registry
 from timonel.nmea2000.messages.ais import AisClassAPositionReport
 from timonel.vehicles.boat import ais
-from timonel.vehicles.boat.ais_layout import KNOT, LAYOUTS
+from timonel.vehicles.boat.ais_layout import LAYOUTS
+from timonel.vehicles.boat.conversion import KNOT
 
 RECEIVERS = {
     "ntpsec_gpsd/test/daemon/ais-nmea.log": 100,

@@ -11,20 +11,18 @@ import socket
 from collections.abc import Iterator, Sequence
 
 from timonel.core.effects import Say
-from timonel.links.kept import Kept
+from timonel.links.datagram import DATAGRAM_MAX, DatagramLink
 from timonel.nmea0183.checksum import Fault
 from timonel.nmea0183.tag_block import TagBlock, split, write
 
 HEADER = b"UdPbC\0"
-DATAGRAM_MAX = 1400  # below every common path MTU
-LONGEST = 65536
 LINES_MAX = 999
 GROUP_CODES = 99
 
 ANY = "0.0.0.0"
 
 
-class Iec450Link(Kept[bytes]):
+class Iec450Link(DatagramLink):
     """A transmission group, heard and spoken to; `host` is its multicast address."""
 
     def __init__(
@@ -35,7 +33,6 @@ class Iec450Link(Kept[bytes]):
         self.port = port
         self.source = source
         self.interface = interface
-        self._socket: socket.socket | None = None
         self._line = 0
         self._group = 0
 
@@ -52,27 +49,11 @@ class Iec450Link(Kept[bytes]):
         except OSError:
             datagram.close()
             raise
-        self._socket = datagram
-        self._loop.add_reader(datagram.fileno(), self._readable)
-
-    async def _disconnect(self) -> None:
-        datagram, self._socket = self._socket, None
-        if datagram is not None:
-            self._loop.remove_reader(datagram.fileno())
-            datagram.close()
+        self._attach(datagram)
 
     # In -------------------------------------------------------------------------------------------
 
-    def _readable(self) -> None:
-        assert self._socket is not None
-        try:
-            data = self._socket.recv(LONGEST)
-        except BlockingIOError:
-            return
-        except OSError:  # nobody listened to what we sent
-            self._tally.errors += 1
-            return
-        self._tally.bytes_in += len(data)
+    def _heard(self, data: bytes) -> None:
         if not data.startswith(HEADER):  # another kind of datagram: files, radar pictures
             self._tally.rejected += 1
         elif heard := b"".join(self._sentences(data[len(HEADER) :])):
@@ -119,10 +100,4 @@ class Iec450Link(Kept[bytes]):
         return part, total, self._group
 
     def _send_one(self, datagram: socket.socket, data: bytes) -> None:
-        try:
-            self._tally.bytes_out += datagram.sendto(data, (self.host, self.port))
-        except BlockingIOError:
-            self._tally.dropped += data.count(b"\n")
-        except OSError:
-            self._tally.errors += 1
-            self._tally.dropped += data.count(b"\n")
+        self._write(lambda data: datagram.sendto(data, (self.host, self.port)), data, data.count(b"\n"))

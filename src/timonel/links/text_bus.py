@@ -6,61 +6,39 @@ A gateway of the form `ydraw` says what it put on the bus itself: what of that w
 another client's is heard. Nothing waits longer than half a second to be sent.
 """
 
-import asyncio
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import msgspec
 
 from timonel.core.effects import Say
 from timonel.core.frame import Frame
-from timonel.links.link import ByteLink, Changed, Counters
+from timonel.links.framed import FramedBus
+from timonel.links.link import ByteLink, Counters
 from timonel.nmea2000.text import FORMS, FormName, TextReader, TextWriter
 
 ECHO_WITHIN = 5.0  # s after which a frame of ours is not an echo any more
 ECHOES_MAX = 512
 
 
-class TextBus:
+class TextBus(FramedBus):
     """Frames over `port`, in lines of `form`."""
 
     def __init__(self, port: ByteLink, form: FormName) -> None:
-        self.url = port.url
-        self.name = port.name
+        super().__init__(port)
         self.form = form
-        self._port = port
         self._form = FORMS[form]
         self._reader = TextReader(self._form)
         self._writer = TextWriter(self._form)
         self._echoes: deque[tuple[float, Frame]] = deque(maxlen=ECHOES_MAX)
-        self._frames_in = 0
-        self._frames_out = 0
-        self._dropped = 0
         self._rejected = 0
 
     @property
     def counters(self) -> Counters:
-        """Those of the port, with frames."""
-        tally = self._port.counters
-        return msgspec.structs.replace(
-            tally,
-            frames_in=self._frames_in,
-            frames_out=self._frames_out,
-            dropped=tally.dropped + self._dropped,
-            rejected=tally.rejected + self._rejected + self._reader.rejected,
-        )
-
-    async def open(self, receive: Callable[[list[Frame]], None], changed: Changed) -> None:
-        """Open the port."""
-        self._receive = receive
-        self._changed = changed
-        self._loop = asyncio.get_running_loop()
-        await self._port.open(self._hear, self._port_changed)
-
-    async def close(self, drain: float = 0.5) -> None:
-        """Close the port."""
-        await self._port.close(drain)
+        """Those of the port, with frames, and with the lines that were not understood."""
+        tally = super().counters
+        return msgspec.structs.replace(tally, rejected=tally.rejected + self._rejected + self._reader.rejected)
 
     def send(self, frames: Sequence[Frame]) -> None:
         """Write `frames`; what the form cannot say is dropped and counted."""
@@ -85,9 +63,7 @@ class TextBus:
             for frame in self._reader.frames(heard)
             if not (heard.sent and self._is_echo(frame))
         ]
-        if frames:
-            self._frames_in += len(frames)
-            self._receive(frames)
+        self._hand_over(frames)
 
     def _is_echo(self, frame: Frame) -> bool:
         """Whether a frame that the gateway sent is one that we gave it; each counts once.

@@ -5,48 +5,27 @@ What waits for room on the port is the newest frame of each identifier, and a pe
 
 import asyncio
 import math
-from collections.abc import Callable, Sequence
-
-import msgspec
+from collections.abc import Sequence
 
 from timonel.core.effects import Say
 from timonel.core.frame import Frame
-from timonel.links.link import ByteLink, Changed, Counters
+from timonel.links.framed import FramedBus
+from timonel.links.link import ByteLink
 from timonel.vehicles.rover.frames import DriveEnable
 from timonel.vehicles.rover.framing import Framer
 
 
-class UartBus:
+class UartBus(FramedBus):
     """Frames over `port`; `framer` reads those of the far end's direction, and its counters are the link's quality."""
 
     def __init__(self, port: ByteLink, framer: Framer) -> None:
-        self.url = port.url
-        self.name = port.name
+        super().__init__(port)
         self.framer = framer
-        self._port = port
-        self._frames_in = 0
-        self._frames_out = 0
-        self._dropped = 0
         self._timer: asyncio.TimerHandle | None = None
-
-    @property
-    def counters(self) -> Counters:
-        """Those of the port, with frames."""
-        tally = self._port.counters
-        return msgspec.structs.replace(
-            tally, frames_in=self._frames_in, frames_out=self._frames_out, dropped=tally.dropped + self._dropped
-        )
-
-    async def open(self, receive: Callable[[list[Frame]], None], changed: Changed) -> None:
-        """Open the port."""
-        self._receive = receive
-        self._changed = changed
-        self._loop = asyncio.get_running_loop()
-        await self._port.open(self._hear, self._port_changed)
 
     async def close(self, drain: float = 0.5) -> None:
         """Close the port."""
-        await self._port.close(drain)
+        await super().close(drain)
         self._disarm()
 
     def send(self, frames: Sequence[Frame]) -> None:
@@ -60,19 +39,14 @@ class UartBus:
         return frame.identifier <= 0xFF and not frame.extended and len(frame.data) <= self.framer.LONGEST
 
     def _hear(self, data: bytes) -> None:
-        self._hand_over(self.framer.receive(data, self._loop.time()))
+        self._hand_over(_frames(self.framer.receive(data, self._loop.time())))
         self._arm()
 
     def _port_changed(self, connected: bool, reason: str) -> None:
         """What comes from now on does not belong to what came before."""
         self._disarm()
-        self._hand_over(self.framer.finish())
+        self._hand_over(_frames(self.framer.finish()))
         self._changed(connected, reason)
-
-    def _hand_over(self, frames: list[tuple[int, bytes]]) -> None:
-        if frames:
-            self._frames_in += len(frames)
-            self._receive([Frame(identifier, data, extended=False) for identifier, data in frames])
 
     def _arm(self) -> None:
         """See to it that silence is noticed."""
@@ -86,8 +60,12 @@ class UartBus:
             self._timer = None
 
     def _expire(self) -> None:
-        self._hand_over(self.framer.expire(self._loop.time()))
+        self._hand_over(_frames(self.framer.expire(self._loop.time())))
         self._arm()
+
+
+def _frames(read: list[tuple[int, bytes]]) -> list[Frame]:
+    return [Frame(identifier, data, extended=False) for identifier, data in read]
 
 
 def _say(framer: Framer, frame: Frame) -> Say:

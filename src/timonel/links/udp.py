@@ -10,10 +10,7 @@ import socket
 from collections.abc import Iterator, Sequence
 
 from timonel.core.effects import Say
-from timonel.links.kept import Kept
-
-DATAGRAM_MAX = 1400  # below every common path MTU
-LONGEST = 65536
+from timonel.links.datagram import DATAGRAM_MAX, DatagramLink
 
 
 def datagrams(lines: Sequence[Say]) -> Iterator[tuple[bytes, int]]:
@@ -29,7 +26,7 @@ def datagrams(lines: Sequence[Say]) -> Iterator[tuple[bytes, int]]:
         yield data, count
 
 
-class UdpLink(Kept[bytes]):
+class UdpLink(DatagramLink):
     """A datagram socket; without a `host` it only listens on `port`, and what is sent to it is dropped.
 
     `local` is our own port, 0 any.
@@ -40,7 +37,6 @@ class UdpLink(Kept[bytes]):
         self.host = host
         self.port = port
         self.local = local
-        self._socket: socket.socket | None = None
 
     @property
     def address(self) -> tuple[str, int] | None:
@@ -69,20 +65,10 @@ class UdpLink(Kept[bytes]):
         except OSError:
             datagram.close()
             raise
-        self._socket = datagram
-        self._loop.add_reader(datagram.fileno(), self._readable)
+        self._attach(datagram)
 
-    def _readable(self) -> None:
-        assert self._socket is not None
-        try:
-            data = self._socket.recv(LONGEST)
-        except BlockingIOError:
-            return
-        except OSError:  # nobody listened to what we sent
-            self._tally.errors += 1
-            return
+    def _heard(self, data: bytes) -> None:
         if data:
-            self._tally.bytes_in += len(data)
             self._receive(data if data.endswith(b"\n") else data + b"\r\n")
 
     def send(self, lines: Sequence[Say]) -> None:
@@ -90,19 +76,4 @@ class UdpLink(Kept[bytes]):
             self._tally.dropped += len(lines)
             return
         for data, count in datagrams(lines):
-            self._send_one(self._socket, data, count)
-
-    def _send_one(self, datagram: socket.socket, data: bytes, count: int) -> None:
-        try:
-            self._tally.bytes_out += datagram.send(data)
-        except BlockingIOError:
-            self._tally.dropped += count
-        except OSError:
-            self._tally.errors += 1
-            self._tally.dropped += count
-
-    async def _disconnect(self) -> None:
-        datagram, self._socket = self._socket, None
-        if datagram is not None:
-            self._loop.remove_reader(datagram.fileno())
-            datagram.close()
+            self._write(self._socket.send, data, count)

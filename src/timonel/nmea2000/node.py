@@ -26,7 +26,7 @@ import msgspec
 from timonel.core.effects import Effect, Event, Transmit
 from timonel.core.message import Message
 from timonel.core.pace import Allowance
-from timonel.nmea2000.claim import AddressClaimed, Claimer, State
+from timonel.nmea2000.claim import NEVER, AddressClaimed, Claimer, State
 from timonel.nmea2000.devices import Device, Devices
 from timonel.nmea2000.group_answers import Answers, GroupFunctionMessage, Target, answer
 from timonel.nmea2000.identifier import GLOBAL, NULL
@@ -71,7 +71,6 @@ ASK_AFTER = 0.5  # s from a claim to the question what it is
 ASK_INTERVAL = 0.25  # s between questions
 TRIES = 3
 FRESH = 3.0  # s that a message of ours is worth repeating when it is asked for
-NEVER = float("inf")
 
 Word = Annotated[str, msgspec.Meta(max_length=32, pattern="^[ -~]*$")]
 Text = Annotated[str, msgspec.Meta(max_length=48)]  # two of them and more fit one message, in UTF-16 too

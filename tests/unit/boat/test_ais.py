@@ -26,7 +26,8 @@ from timonel.nmea2000.messages.steering import RateOfTurn
 from timonel.nmea2000.sender import Sender, outgoing
 from timonel.vehicles.boat import ais
 from timonel.vehicles.boat.ais import ECHO, MOST_SAID, Ais
-from timonel.vehicles.boat.ais_layout import DIMENSIONS, KNOT, LAYOUTS, POSITION
+from timonel.vehicles.boat.ais_layout import DIMENSIONS, LAYOUTS, POSITION
+from timonel.vehicles.boat.conversion import KNOT
 from timonel.vehicles.boat.settings import BoatSettings, Port
 from timonel.vehicles.boat.vehicle import Boat
 

@@ -27,13 +27,13 @@ from timonel.nmea2000.messages.ais import (
     AisSafetyRelatedBroadcastMessage,
 )
 from timonel.vehicles.boat.ais_layout import CRAFT_SIZE, KINDS, LAYOUTS, TENDER, TENDERS, Row
+from timonel.vehicles.boat.conversion import AIS_RATE
+from timonel.vehicles.boat.truth import NEVER
 
 K = TypeVar("K")
 
-RATE = 10.0  # Hz, which no ship sends
 ECHO = 10.0  # s
 MOST_SAID = 4096  # messages remembered: a busy harbour has some hundred in ten seconds
-NEVER = float("-inf")
 STATIC = 24  # the message type that has two parts
 PARTS = (AisClassBStaticDataMsg24PartA, AisClassBStaticDataMsg24PartB)
 SHORTEST: dict[type[Message], int] = {AisClassAStaticAndVoyageRelatedData: 420, AisClassBStaticDataMsg24PartB: 162}
@@ -149,7 +149,7 @@ def _with_letters(bits: int, length: int, text: str | None, first: int, most: in
 class Ais:
     """Both ways, with what was said lately, so that it is not heard again as somebody else's."""
 
-    def __init__(self, rate: float = RATE) -> None:
+    def __init__(self, rate: float = AIS_RATE) -> None:
         self.echoes = 0
         """Messages that the backbone had already: another receiver's, or our own that came back."""
         self._interval = 1 / rate if rate > 0 else None

@@ -35,10 +35,9 @@ from timonel.nmea2000.messages.ais import (
     AisSarAircraftPositionReport,
     AisUtcAndDateReport,
 )
+from timonel.vehicles.boat.conversion import EPOCH, KNOT
+from timonel.vehicles.boat.truth import SECONDS_A_DAY
 
-KNOT = 1852 / 3600  # m/s
-EPOCH = date(1970, 1, 1)
-DAY = 86400.0
 LAST_DAY = 65532  # of those that 16 bits can say
 TURN = 4.733  # of the square root of degrees a minute
 TENDERS = range(980_000_000, 990_000_000)
@@ -210,7 +209,7 @@ def _write_eta(day: int | None, second: float | None) -> int:
     if day is not None:
         found = EPOCH + timedelta(day)
         month, of_month = found.month, found.day
-    hour, minute = (24, 60) if second is None or second >= DAY else divmod(int(second) // 60, 60)
+    hour, minute = (24, 60) if second is None or second >= SECONDS_A_DAY else divmod(int(second) // 60, 60)
     return month << 16 | of_month << 11 | hour << 6 | minute
 
 
@@ -227,7 +226,7 @@ def _write_clock(day: int | None, second: float | None) -> int:
     if day is not None:
         found = EPOCH + timedelta(day)
         year, month, of_month = found.year, found.month, found.day
-    if second is None or second >= DAY:
+    if second is None or second >= SECONDS_A_DAY:
         hour, minute, seconds = 24, 60, 60
     else:
         hour, rest = divmod(int(second), 3600)

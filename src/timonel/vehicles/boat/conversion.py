@@ -50,7 +50,6 @@ from timonel.nmea2000.messages.steering import (
     Rudder,
     VesselHeading,
 )
-from timonel.vehicles.boat import ais
 from timonel.vehicles.boat.truth import Truth
 
 KNOT = 1852 / 3600  # m/s
@@ -61,6 +60,7 @@ ZERO_CELSIUS = 273.15  # K
 MINUTE = 60.0  # s
 LONGEST_NAME = 8  # characters: RMB has room for so many, if all its numbers are as long as can be
 EPOCH = date(1970, 1, 1)
+AIS_RATE = 10.0  # Hz, which no ship sends
 
 MODES = {
     GnssMethod.NONE: s.Mode.NOT_VALID,
@@ -529,7 +529,7 @@ CONVERSIONS = (
     Conversion("RMB", 1, rmb, (NavigationData,), "GP"),
     Conversion("APB", 1, apb, (NavigationData,), "GP"),
 )
-RATES = {conversion.formatter: conversion.rate for conversion in CONVERSIONS} | {OTHERS: ais.RATE}
+RATES = {conversion.formatter: conversion.rate for conversion in CONVERSIONS} | {OTHERS: AIS_RATE}
 """The ceilings in Hz by formatter, as they are without settings; that of VDM, and VDO, is one for each ship."""
 
 Hear = Callable[[Truth, Any, int, float], bool]

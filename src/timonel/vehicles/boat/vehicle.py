@@ -382,9 +382,8 @@ class Boat:
         command = parp.read_command(sentence)
         if not isinstance(command, parp.Command):
             return self._reject(command, sentence, wire)
-        if not wire.allowance.take(now):
+        if not self._allowed(wire, now):
             return self._flood(wire, sentence)
-        wire.flooded = False
         station = command.station if wire.port.station is None else wire.port.station
         if station is None:  # the short form does not say who speaks, so the wire must
             return self._reject(Fault.MALFORMED, sentence, wire)
@@ -449,9 +448,8 @@ class Boat:
         if wire.port.station is None:
             self.counters["sentences not for us"] += 1
             return []
-        if not wire.allowance.take(now):
+        if not self._allowed(wire, now):
             return self._flood(wire, sentence)
-        wire.flooded = False
         told = parse(sentence)
         if not isinstance(told, HTC):
             return self._reject(told if isinstance(told, Fault) else Fault.MALFORMED, sentence, wire)
@@ -496,9 +494,8 @@ class Boat:
             case ACK(alarm=None) | ACN(alarm=None) | ACN(command=None):
                 return self._reject(Fault.MALFORMED, sentence, wire)
             case ACK() | ACN() as command:
-                if not wire.allowance.take(now):
+                if not self._allowed(wire, now):
                     return self._flood(wire, sentence)
-                wire.flooded = False
                 return self._alerted(alerting.command(command, now, self._time_of_day(now)), now)
             case told:
                 talker = sentence[1:3].decode("latin-1")
@@ -519,6 +516,13 @@ class Boat:
     def _reject(self, reason: Fault, sentence: bytes, wire: Wire) -> list[Effect]:
         self.counters[str(reason)] += 1
         return [Rejected(str(reason), sentence, wire.port.name)]
+
+    def _allowed(self, wire: Wire, now: float) -> bool:
+        """Whether one more command is within what the port may give; a flood is over then."""
+        allowed = wire.allowance.take(now)
+        if allowed:
+            wire.flooded = False
+        return allowed
 
     def _flood(self, wire: Wire, sentence: bytes) -> list[Effect]:
         """Counted one by one, told once."""
