@@ -266,15 +266,6 @@ def pgns() -> list[int]:
     return list(_index().definitions)
 
 
-@cache
-def is_fast(pgn: int) -> bool:
-    """Whether a PGN travels as fast packet: as canboat says, or for one that it does not know as its range does."""
-    lines = _index().definitions.get(pgn)
-    if lines and b'"fallback":true' not in lines[0]:
-        return b'"transport":"Fast"' in lines[0]
-    return 0x1ED00 <= pgn <= 0x1EFFF or 0x1FF00 <= pgn <= 0x1FFFF
-
-
 def find(pgn: int, payload: bytes) -> Definition | None:
     """The definition of a message: the first variant whose constants the payload has.
 

@@ -4,6 +4,8 @@ How a PGN travels is known for every one: by its range (canboat's fallback defin
 single frames and fast packets by the table `FAST`.
 """
 
+from functools import lru_cache
+
 DEFAULT_PRIORITY = 6
 
 # Of 126976..130815, where single frames and fast packets are mixed; source: canboat, `Type`.
@@ -42,6 +44,8 @@ SCHEDULE: dict[int, tuple[int, float | None]] = {
 }  # fmt: skip
 
 
+# Asked for each frame of a recording; a bus has a few hundred PGNs.
+@lru_cache(maxsize=4096)
 def is_fast(pgn: int) -> bool:
     """Whether a PGN travels as fast packet. ISO transport (65240) is not one."""
     return 0x1ED00 <= pgn <= 0x1EFFF or 0x1FF00 <= pgn <= 0x1FFFF or pgn in FAST

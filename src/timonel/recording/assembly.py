@@ -17,9 +17,9 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from timonel.nmea2000.catalogue import is_fast
 from timonel.nmea2000.fastpacket import FastPacketCounters
 from timonel.nmea2000.identifier import GLOBAL
+from timonel.nmea2000.schedule import is_fast
 from timonel.recording.fast_packets import FastPackets
 from timonel.recording.frames import EXTENDED, NO_STAMP, SIXTEEN, WHOLE, Bytes, Frames, Identifiers, Rows, Stamps
 from timonel.recording.part import STANDARD, Lengths, Part, Payloads, by_key, merged, stretches

@@ -17,9 +17,10 @@ from typing import Any, Self
 
 import msgspec
 
-from timonel.nmea2000.catalogue import Definition, find, is_fast
+from timonel.nmea2000.catalogue import Definition, find
 from timonel.nmea2000.fastpacket import FastPacketCounters, Reassembler
 from timonel.nmea2000.identifier import split
+from timonel.nmea2000.schedule import is_fast
 from timonel.recording.formats import LogReader, open_log
 from timonel.recording.lines import LogFrame
 from timonel.vehicles.rover.declaration import RoverFrame

@@ -3,9 +3,9 @@
 from functools import lru_cache
 
 from timonel.errors import EncodeError
-from timonel.nmea2000.catalogue import is_fast
 from timonel.nmea2000.fastpacket import LONGEST
 from timonel.nmea2000.identifier import join
+from timonel.nmea2000.schedule import is_fast
 from timonel.recording.lines import LogFrame
 
 _GATEWAY = 0x40000  # canboat: PGNs from here on are a gateway's own and were never on the bus
