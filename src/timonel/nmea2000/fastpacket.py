@@ -40,6 +40,8 @@ What holds, whatever is lost, and whichever neighbours are exchanged:
       within `max_gap`, what remains is a faultless message.
 """
 
+import struct
+
 import msgspec
 
 from timonel.errors import EncodeError
@@ -47,9 +49,12 @@ from timonel.errors import EncodeError
 LONGEST = 223
 """Bytes in the longest message: 6 + 31 * 7."""
 
+HEADS = [[bytes((sequence << 5 | index,)) for index in range(32)] for sequence in range(8)]
+"""The first byte of a frame, by sequence counter and index."""
+
 _STREAM = 0x3FFFFFF  # an identifier without its priority, which a sender may change
-_PADDING = b"\xff" * 7
-_HEADS = [[bytes((sequence << 5 | index,)) for index in range(32)] for sequence in range(8)]
+_PADDINGS = [b"\xff" * (6 - rest) for rest in range(7)]
+_CUTS = [struct.Struct("7s" * count).unpack for count in range(1, 33)]
 _SIZES = [bytes((size,)) for size in range(LONGEST + 1)]
 _SPENT = 32  # `next` of a slot whose message is lost: no frame has this index
 
@@ -243,15 +248,19 @@ def fragment(payload: bytes, sequence: int) -> list[bytes]:
 
     Raises EncodeError above 223 bytes.
     """
-    if len(payload) > LONGEST:
-        raise EncodeError(f"fast packet: {len(payload)} bytes are more than {LONGEST}")
-    heads = _HEADS[sequence & 7]
+    heads = HEADS[sequence & 7]
+    return [heads[index] + part for index, part in enumerate(cut(payload))]
+
+
+def cut(payload: bytes) -> tuple[bytes, ...]:
+    """What stands behind the first byte of each frame: the length and the message, in sevens, padded with 0xFF.
+
+    Runs between a station's key and the rudder. Raises EncodeError above 223 bytes.
+    """
     size = len(payload)
-    padded = payload + _PADDING
-    frames = [heads[0] + _SIZES[size] + padded[:6]]
-    for index in range(1, 1 + size // 7):
-        frames.append(heads[index] + padded[7 * index - 1 : 7 * index + 6])
-    return frames
+    if size > LONGEST:
+        raise EncodeError(f"fast packet: {size} bytes are more than {LONGEST}")
+    return _CUTS[size // 7](_SIZES[size] + payload + _PADDINGS[size % 7])
 
 
 def _repeated(slot: _Slot, index: int, data: bytes) -> bool:

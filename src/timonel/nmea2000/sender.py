@@ -4,9 +4,10 @@ from functools import lru_cache
 
 import msgspec
 
+from timonel.core.effects import Effect, Transmit
 from timonel.core.frame import Frame
 from timonel.core.message import Message
-from timonel.nmea2000.fastpacket import fragment
+from timonel.nmea2000.fastpacket import HEADS, cut
 from timonel.nmea2000.identifier import GLOBAL, join
 from timonel.nmea2000.schedule import is_fast, priority
 
@@ -39,15 +40,23 @@ class Sender:
         self.address = address
         self._sequences: dict[int, int] = {}
 
-    def frames(self, message: Outgoing) -> list[Frame]:
-        """The frames of one message. Runs between a station's key and the rudder: keep it short.
+    def transmit(self, message: Outgoing) -> list[Effect]:
+        """Put one message on the bus. Runs between a station's key and the rudder: keep it short.
 
         The counter of a PGN's fast packets turns with each message. Raises EncodeError for a payload above 223 bytes.
         """
         pgn = message.pgn
         identifier, fast = _way(pgn, message.priority, self.address, message.destination)
         if not fast:
-            return [Frame(identifier, message.payload)]
+            return [Transmit(Frame(identifier, message.payload))]
         sequence = self._sequences.get(pgn, 0)
         self._sequences[pgn] = (sequence + 1) % 8
-        return [Frame(identifier, data) for data in fragment(message.payload, sequence)]
+        heads = HEADS[sequence]
+        effects: list[Effect] = []
+        for index, part in enumerate(cut(message.payload)):
+            effects.append(Transmit(Frame(identifier, heads[index] + part)))
+        return effects
+
+    def frames(self, message: Outgoing) -> list[Frame]:
+        """The frames of one message, as `transmit` puts them on the bus."""
+        return [effect.frame for effect in self.transmit(message) if type(effect) is Transmit]

@@ -1,3 +1,6 @@
+import pytest
+
+from timonel.nmea2000.fastpacket import LONGEST, fragment
 from timonel.nmea2000.identifier import split
 from timonel.nmea2000.messages.network import IsoRequest
 from timonel.nmea2000.sender import Outgoing, Sender, outgoing
@@ -21,3 +24,10 @@ def test_the_counter_of_each_fast_packet_turns_by_itself() -> None:
 def test_a_priority_may_differ_from_the_usual_one() -> None:
     (frame,) = Sender(1).frames(Outgoing(127250, bytes(8), priority=5))
     assert split(frame.identifier).priority == 5
+
+
+@pytest.mark.parametrize("length", range(LONGEST + 1))
+def test_a_fast_packet_leaves_in_the_frames_that_it_is_taken_apart_to(length: int) -> None:
+    sender, payload = Sender(1), bytes(range(length))
+    for sequence in range(9):
+        assert [frame.data for frame in sender.frames(Outgoing(127237, payload))] == fragment(payload, sequence)
