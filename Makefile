@@ -24,7 +24,7 @@ demo: $(VENV)/run
 	$(BIN)/timonel demo
 
 test: $(VENV)/dev lint $(PEERS)
-	scripts/debian.sh gpsd gpsd-clients mosquitto mosquitto-clients gcc libc6-dev chromium
+	scripts/debian.sh gpsd gpsd-clients mosquitto mosquitto-clients chromium
 	$(PYTEST) -n auto --dist loadfile || $(PYTEST) --last-failed --last-failed-no-failures none
 
 test-all: test mutation
@@ -65,6 +65,9 @@ vendor: $(NPM_DONE)
 clean:
 	rm -rf node_modules tests/interop/node/node_modules $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis
 
+# What is compiled of it, if it can be.
+KERNELS := hatch_build.py $(wildcard native/*)
+
 # One environment: `run` holds what the program needs, `dev` what the tests need too.
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || scripts/debian.sh --required python3-venv
@@ -79,12 +82,13 @@ $(PEERS): tests/interop/node/package-lock.json
 	@command -v npm >/dev/null || scripts/debian.sh --required npm
 	npm ci --prefix tests/interop/node --ignore-scripts --omit=optional --no-audit --no-fund --silent
 
-$(VENV)/run: requirements.lock pyproject.toml | $(VENV)/bin/python
+$(VENV)/run: requirements.lock pyproject.toml $(KERNELS) | $(VENV)/bin/python
 	$(PIP) install --require-hashes --only-binary :all: -r requirements.lock
 	$(PIP) install --no-deps --no-build-isolation --editable .
 	touch $@
 
-$(VENV)/dev: requirements-dev.lock pyproject.toml | $(VENV)/bin/python
+$(VENV)/dev: requirements-dev.lock pyproject.toml $(KERNELS) | $(VENV)/bin/python
+	scripts/debian.sh gcc libc6-dev
 	$(PIP) install --require-hashes --only-binary :all: -r requirements-dev.lock
 	$(PIP) install --no-deps --no-build-isolation --editable .
 	touch $@ $(VENV)/run

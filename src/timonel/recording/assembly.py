@@ -17,6 +17,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from timonel.core import native
 from timonel.nmea2000.fastpacket import FastPacketCounters
 from timonel.nmea2000.identifier import GLOBAL
 from timonel.nmea2000.schedule import is_fast
@@ -94,12 +95,18 @@ class Assembly:
 
     def receive(self, frames: Frames) -> list[Group]:
         """The messages that these frames complete, by PGN, then by standard identifier."""
-        parts: dict[int, list[Part]] = {}
-        for part in self._parts(frames):
-            parts.setdefault(part.channel, []).append(part)
-        groups = [self._group(merged(parts[channel]), frames.stamp) for channel in sorted(parts)]
+        groups = None if native.kernels is None else self._compiled(frames)
+        if groups is None:
+            groups = self._merged(self._parts(frames), frames.stamp)
         self.frames += len(frames)
         return groups
+
+    def _merged(self, found: list[Part], stamp: Stamps) -> list[Group]:
+        """One group a channel."""
+        parts: dict[int, list[Part]] = {}
+        for part in found:
+            parts.setdefault(part.channel, []).append(part)
+        return [self._group(merged(parts[channel]), stamp) for channel in sorted(parts)]
 
     def _parts(self, frames: Frames) -> list[Part]:
         head = frames.rows.view("<u8").reshape(-1, 2)[:, 0].copy()
@@ -114,6 +121,33 @@ class Assembly:
         single = np.flatnonzero(codes - np.uint16(1) < self._kinds.fast - 1)
         return parts + _single(frames.rows, single, codes, self._kinds.channels)
 
+    def _compiled(self, frames: Frames) -> list[Group] | None:
+        """The same by compiled kernels; None if some of the frames are whole messages."""
+        codes, counts = np.empty(len(frames), np.uint16), np.zeros(len(self._kinds.channels), np.uint32)
+        if native.kernels.frame_codes(frames.rows, self._kinds.codes, codes, counts):
+            return None
+        first = self._kinds.fast
+        now, fast = self._times(frames.stamp), int(counts[first:].sum())
+        packets = self._merged(self._fast_packets.receive_coded(frames.rows, now, codes, first, fast), frames.stamp)
+        counts[0], counts[first:] = 0, 0
+        singles = self._singles(frames, codes, counts)
+        return sorted(singles + packets, key=_channel)
+
+    def _singles(self, frames: Frames, codes: Codes, counts: npt.NDArray[np.uint32]) -> list[Group]:
+        """Frames that are messages; `counts` is how many there are of each code."""
+        ends = np.cumsum(counts, dtype=np.int64)
+        size = int(ends[-1])
+        row, stamp, length = (np.empty(size, np.int64) for _ in range(3))
+        identifier, data = np.empty(size, np.uint32), np.empty((size, 8), np.uint8)
+        begin = np.where(counts > 0, ends - counts, -1)
+        native.kernels.single_frames(frames.rows, frames.stamp, codes, begin, row, stamp, identifier, length, data)
+        row += self.frames
+        groups, columns = [], (row, stamp, identifier, data, length)
+        for code in np.flatnonzero(counts).tolist():
+            some = slice(int(ends[code] - counts[code]), int(ends[code]))
+            groups.append(Group(*_named(self._kinds.channels[code]), *(column[some] for column in columns)))
+        return groups
+
     def _times(self, stamp: Stamps) -> Stamps:
         """The stamps, and times for what has none."""
         known = stamp != NO_STAMP
@@ -127,10 +161,18 @@ class Assembly:
         return now
 
     def _group(self, part: Part, stamp: Stamps) -> Group:
-        standard = part.channel >= STANDARD
-        pgn, frame = (None, part.channel - STANDARD) if standard else (part.channel, None)
         row = part.row + self.frames
-        return Group(pgn, frame, row, stamp.take(part.row), part.identifier, part.payloads, part.lengths)
+        columns = (row, stamp.take(part.row), part.identifier, part.payloads, part.lengths)
+        return Group(*_named(part.channel), *columns)
+
+
+def _named(channel: int) -> tuple[int | None, int | None]:
+    """PGN, or standard identifier."""
+    return (None, channel - STANDARD) if channel >= STANDARD else (channel, None)
+
+
+def _channel(group: Group) -> int:
+    return STANDARD + (group.frame or 0) if group.pgn is None else group.pgn
 
 
 class _Kinds(msgspec.Struct, frozen=True):

@@ -12,6 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
+from timonel.core import native
 from timonel.recording.candump_words import BLOCK, ROW, SHAPE, Lines, Parser, Shape, any_lines, equal_lines
 from timonel.recording.frames import CHUNK, EXTENDED, FRAME, Bytes, Frames, Rows, Stamps, empty, nanoseconds
 from timonel.recording.lines import LogFrame
@@ -40,7 +41,7 @@ class CandumpText:
         self._line = 0
         self._parts: list[bytes] = []
         self._waiting = 0
-        self._enough = BLOCK * ROW
+        self._enough = BLOCK * ROW if native.kernels is None else ROW
         self._room = empty(size + BLOCK)
         self._filled = 0
 
@@ -68,14 +69,24 @@ class CandumpText:
         text = np.frombuffer(lines, np.uint8)
         at = 0
         while at < end and (too_long or end - at >= enough):
-            first = SHAPE.match(lines, at)
-            at += self._some(first, text[at:], end - at) if first else self._irregular(lines, at, end)
+            if native.kernels is not None and (behind_all := self._compiled(lines, at, end)) > at:
+                at = behind_all
+            else:
+                first = SHAPE.match(lines, at)
+                at += self._some(first, text[at:], end - at) if first else self._irregular(lines, at, end)
             if self._filled >= self._size:
                 yield self._chunk()
         if too_long:
             self._single(lines[end : end + LONGEST_LINE] + b"\n", 1)
             at = behind
         self._parts, self._waiting = [lines[at:behind]], behind - at
+
+    def _compiled(self, lines: bytes, at: int, end: int) -> int:
+        """Read lines from `at` on, up to the first that is not of a shape; where that begins."""
+        filled, at = native.kernels.candump_lines(lines, at, end, self._room.rows, self._room.stamp, self._filled)
+        self._line += filled - self._filled
+        self._filled = filled
+        return at
 
     def _some(self, first: re.Match[bytes], text: Bytes, end: int) -> int:
         """Read some lines of `text[:end]`, whose first is of a shape; how many bytes they have."""

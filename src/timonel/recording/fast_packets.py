@@ -15,21 +15,22 @@ Only when slots could run out, the whole chunk goes through the Reassembler, bec
 independent of each other.
 """
 
+from typing import Any
+
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from timonel.core import native
 from timonel.nmea2000.fastpacket import LONGEST, FastPacketCounters, Reassembler
 from timonel.nmea2000.identifier import split
+from timonel.recording.coded_packets import SLOT_ROOM, CodedPackets
 from timonel.recording.frames import EXTENDED, SIXTEEN, Identifiers, Rows, Stamps
-from timonel.recording.part import Part, by_key, of_messages, pgns_of, stretches, windows
+from timonel.recording.part import FIRST_FAST, Part, by_key, of_messages, pgns_of, stretches, windows
 
 MAX_AGE = 250_000_000
 MAX_GAP = 100_000_000
 """In ns, as the Reassembler's own limits."""
-
-FIRST = 0x1ED00
-"""No PGN below this one travels as fast packet."""
 
 _STREAM = 0x3FFFFFF  # an identifier without its priority
 _NEW = 0xFFFF
@@ -39,6 +40,7 @@ _KEYS = 1 << 13  # streams whose slots fit in 16 bits, which are sorted fastest
 Ints = npt.NDArray[np.intp]
 Flags = npt.NDArray[np.bool_]
 Words = npt.NDArray[np.uint64]
+Codes = npt.NDArray[np.uint16]
 
 
 class Arrivals(msgspec.Struct, frozen=True, eq=False, gc=False):
@@ -74,8 +76,9 @@ class FastPackets:
         # All that it does with times is to compare them: whole ns are as good as seconds, and exact.
         self._reassembler = Reassembler(MAX_AGE, MAX_GAP, max_slots)
         self._max_slots = max_slots
-        self._streams = np.zeros((0x20000 - FIRST) << 8, np.uint16)
+        self._streams = np.zeros((0x20000 - FIRST_FAST) << 8, np.uint16)
         self._known = 0
+        self._room = np.zeros(SLOT_ROOM if native.kernels else 0, np.uint8)
 
     @property
     def counters(self) -> FastPacketCounters:
@@ -96,16 +99,33 @@ class FastPackets:
         frames = _arrivals(rows, now, row)
         runs = _runs(frames, key)
         dirty = self._dirty(runs)
-        if self._crowded(runs, dirty, row):
+        several = ~dirty & (runs.count > 1)
+        if self._crowded(runs.key[runs.new], runs.key[dirty], row[runs.start[several]], row[runs.last[several]]):
             return self._one_by_one(_arrivals(rows, now, np.sort(row)))
         plain = np.flatnonzero(~dirty)
         self.counters.completed += len(plain)
         others = np.sort(row[np.repeat(dirty, runs.count)])
         return self._one_by_one(_arrivals(rows, now, others)) + _plain(frames, runs, plain)
 
+    def receive_coded(self, rows: Rows, now: Stamps, codes: Codes, first: int, count: int) -> list[Part]:
+        """The same by compiled kernels, of the `count` rows of a chunk whose code is `first` or more."""
+        found = CodedPackets(count)
+        waiting = self._waiting().astype(np.uint16)
+        limits = (MAX_AGE, MAX_GAP, LONGEST)
+        known = found.read(rows, now, codes, first, self._room, self._streams, self._known, waiting, limits)
+        if known < 0:
+            self._streams[self._streams > self._known] = 0
+            return self._one_by_one(_arrivals(rows, now, np.flatnonzero(codes >= first)))
+        self._known = known
+        plain, dirty = ~found.dirty & (found.count > 1), found.dirty
+        if self._crowded(found.slot, found.slot[dirty], found.begin[plain], found.last[plain]):
+            return self._one_by_one(_arrivals(rows, now, found.row))
+        self.counters.completed += len(dirty) - np.count_nonzero(dirty)
+        return self._one_by_one(_arrivals(rows, now, found.others)) + found.parts(rows)
+
     def _streams_of(self, identifier: Identifiers) -> npt.NDArray[np.uint16] | None:
         """A number from 1 for each source, destination and PGN; None if there are too many."""
-        place = (identifier & _STREAM) - np.uint32(FIRST << 8)
+        place = (identifier & _STREAM) - np.uint32(FIRST_FAST << 8)
         streams = self._streams.take(place)
         if not streams.all():
             self._streams[place[streams == 0]] = _NEW
@@ -118,11 +138,15 @@ class FastPackets:
             streams = self._streams.take(place)
         return streams
 
+    def _waiting(self) -> npt.NDArray[np.int64]:
+        """The slots that are in use."""
+        slots = np.array(self._reassembler.slots, np.int64)
+        return self._streams[(slots >> 3) - (FIRST_FAST << 8)].astype(np.int64) << 3 | slots & 7
+
     def _dirty(self, runs: "_Runs") -> Flags:
         """The runs that are not plain."""
         seed = ~runs.whole
-        slots = np.array(self._reassembler.slots, np.int64)
-        keys = self._streams[(slots >> 3) - (FIRST << 8)].astype(np.int64) << 3 | slots & 7
+        keys = self._waiting()
         first = np.searchsorted(runs.key, keys)
         there = first < len(runs.key)
         first, keys = first[there], keys[there]
@@ -132,16 +156,19 @@ class FastPackets:
         stop[1:] = np.maximum(stop[1:], np.where(runs.calm[:-1], place[:-1], -1))
         return np.maximum.accumulate(np.where(seed, place, -1)) > np.maximum.accumulate(stop)
 
-    def _crowded(self, runs: "_Runs", dirty: Flags, row: Ints) -> bool:
-        """Whether the Reassembler could have to give up a slot that is in use."""
+    def _crowded(self, keys: npt.NDArray[Any], dirty: npt.NDArray[Any], begin: Ints, end: Ints) -> bool:
+        """Whether the Reassembler could have to give up a slot that is in use.
+
+        `keys` are those of all runs, and of those that are not plain; `begin` and `end` the rows of the others that
+        have several frames.
+        """
         waiting = len(self._reassembler.slots)
-        if waiting + np.count_nonzero(runs.new) <= self._max_slots:
+        if waiting + len(np.unique(keys)) <= self._max_slots:
             return False
-        several = ~dirty & (runs.count > 1)
         # Looked at in steps of some rows, in which all that begin come before all that end: at least as many as are.
-        begin, end = (np.bincount(row[places[several]] // _STEP) for places in (runs.start, runs.last))
-        on_the_way = np.cumsum(begin) - np.cumsum(end)[: len(begin)] + end[: len(begin)]
-        return waiting + len(np.unique(runs.key[dirty])) + int(on_the_way.max(initial=0)) > self._max_slots
+        begins, ends = np.bincount(begin // _STEP), np.bincount(end // _STEP)
+        on_the_way = np.cumsum(begins) - np.cumsum(ends)[: len(begins)] + ends[: len(begins)]
+        return waiting + len(np.unique(dirty)) + int(on_the_way.max(initial=0)) > self._max_slots
 
     def _one_by_one(self, frames: Arrivals) -> list[Part]:
         """Through the Reassembler, frame by frame."""

@@ -18,6 +18,9 @@ Lengths = npt.NDArray[np.intp]
 STANDARD = 1 << 18
 """Channels from here on are standard identifiers."""
 
+FIRST_FAST = 0x1ED00
+"""No PGN below this one travels as fast packet."""
+
 
 class Part(msgspec.Struct, frozen=True, eq=False, gc=False):
     """Messages of one `channel`, which is a PGN, or `STANDARD` + a standard identifier.

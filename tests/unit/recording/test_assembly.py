@@ -11,6 +11,8 @@ from timonel.recording import LogFrame
 from timonel.recording.assembly import Assembly
 from timonel.recording.frames import NO_STAMP, from_logframes
 
+pytestmark = pytest.mark.usefixtures("each_way")
+
 TRACK, GNSS, HEADING, ADDRESSED = 127237, 129029, 127250, 126208
 
 

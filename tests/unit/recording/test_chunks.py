@@ -16,6 +16,8 @@ from timonel.recording.flight_segment import SegmentFile
 from timonel.recording.flight_tape import Tape
 from timonel.recording.frames import concatenate, from_logframes
 
+pytestmark = pytest.mark.usefixtures("each_way")
+
 LINE = "(1620807235.135421) can0 09F8017F#3E17B322B320590D\n"
 
 

@@ -16,6 +16,8 @@ from timonel.recording.tables import Tables, decode_file, keep_memory
 from timonel.vehicles.rover.declared import parse
 from timonel.vehicles.rover.protocol import Protocol
 
+pytestmark = pytest.mark.usefixtures("each_way")
+
 HEADING = bytes.fromhex("FF725AFF7FFF7FFD")
 
 

@@ -1,0 +1,383 @@
+/* Frames to messages; see timonel/recording/assembly.py and fast_packets.py, which say what all of it means.
+
+   A row has 16 bytes: identifier (4; bit 31: extended), length, flags, 2 unused, data (8). */
+#include "kernels.h"
+
+enum { ROW = 16, LENGTH = 4, DATA = 8, WHOLE_FLAG = 1, STANDARD = 1 << 18, PLACES = STANDARD + 0x800 };
+
+static inline u32 place_of(u32 identifier)
+{
+    return identifier >> 31 ? identifier >> 8 & (STANDARD - 1) : STANDARD | (identifier & 0x7FF);
+}
+
+/* (rows, table, codes, counts) -> whether a row is a whole message: the code of each row, by the place of its PGN or
+   standard identifier in `table`, and how many rows have each code; both uint16 and uint32. */
+PyObject *frame_codes(PyObject *module, PyObject *arguments)
+{
+    PyObject *objects[4];
+    Py_buffer views[4];
+    Buffers buffers;
+    (void)module;
+    if (!PyArg_ParseTuple(arguments, "OOOO", &objects[0], &objects[1], &objects[2], &objects[3])
+        || take_buffers(&buffers, views, objects, 4, 2))
+        return NULL;
+    i64 count = views[0].len / ROW, kinds = views[3].len / 4;
+    if (enough(&views[1], PLACES, 2, "table") || enough(&views[2], count, 2, "codes")) {
+        give_buffers_back(&buffers);
+        return NULL;
+    }
+    const u8 *rows = views[0].buf;
+    const u16 *table = views[1].buf;
+    u16 *codes = views[2].buf;
+    u32 *counts = views[3].buf;
+    u8 flags = 0;
+    bool known = true;
+    Py_BEGIN_ALLOW_THREADS
+    for (i64 row = 0; row < count; row++) {
+        u64 head = load8(rows + ROW * row);
+        u16 code = table[place_of((u32)head)];
+        flags |= head >> 40;
+        codes[row] = code;
+        if (code < kinds)
+            counts[code]++;
+        else
+            known = false;
+    }
+    Py_END_ALLOW_THREADS
+    give_buffers_back(&buffers);
+    if (!known) {
+        PyErr_SetString(PyExc_ValueError, "counts: fewer than there are codes");
+        return NULL;
+    }
+    return PyBool_FromLong(flags & WHOLE_FLAG);
+}
+
+/* Rows that are looked at together: what they are sorted into stays in the processor's cache. */
+enum { BLOCK = 1 << 13, NOWHERE = 0xFFFF };
+
+/* The codes that are wanted: the number of each, or NOWHERE, and the code of each number. */
+typedef struct {
+    u16 *dense, *code;
+    u32 count;
+} Kinds;
+
+/* The rows of a block in the order of their kinds; `ends` says where those of each kind end. */
+static inline void sort_block(const u16 *codes, i64 count, i64 kinds, const Kinds *chosen, u32 *ends, u16 *order)
+{
+    memset(ends, 0, 4 * (size_t)chosen->count + 4);
+    for (i64 row = 0; row < count; row++)
+        if (codes[row] < kinds && chosen->dense[codes[row]] != NOWHERE)
+            ends[chosen->dense[codes[row]] + 1]++; /* one further on: each begins where the one before it ends */
+    for (u32 kind = 1; kind <= chosen->count; kind++)
+        ends[kind] += ends[kind - 1];
+    for (i64 row = 0; row < count; row++)
+        if (codes[row] < kinds && chosen->dense[codes[row]] != NOWHERE)
+            order[ends[chosen->dense[codes[row]]]++] = (u16)row;
+}
+
+/* (rows, stamps, codes, next, row, stamp, identifier, length, data) -> None: rows with code c go, in their order, from
+   next[c] on; those where it is negative nowhere. Of int64: stamps, next, row, stamp, length. */
+PyObject *single_frames(PyObject *module, PyObject *arguments)
+{
+    enum { ROWS, STAMPS, CODES, NEXT, ROW_OF, STAMP, IDENTIFIER, LENGTH_OF, DATA_OF, ALL };
+    PyObject *objects[ALL];
+    Py_buffer views[ALL];
+    Buffers buffers;
+    (void)module;
+    if (!PyArg_ParseTuple(arguments, "OOOOOOOOO", &objects[ROWS], &objects[STAMPS], &objects[CODES], &objects[NEXT],
+                          &objects[ROW_OF], &objects[STAMP], &objects[IDENTIFIER], &objects[LENGTH_OF],
+                          &objects[DATA_OF])
+        || take_buffers(&buffers, views, objects, ALL, NEXT))
+        return NULL;
+    i64 count = views[ROWS].len / ROW, kinds = views[NEXT].len / 8, room = views[ROW_OF].len / 8;
+    if (enough(&views[STAMPS], count, 8, "stamps") || enough(&views[CODES], count, 2, "codes")
+        || enough(&views[STAMP], room, 8, "stamp") || enough(&views[IDENTIFIER], room, 4, "identifier")
+        || enough(&views[LENGTH_OF], room, 8, "length") || enough(&views[DATA_OF], room, 8, "data")) {
+        give_buffers_back(&buffers);
+        return NULL;
+    }
+    const u8 *rows = views[ROWS].buf;
+    const i64 *stamps = views[STAMPS].buf;
+    const u16 *codes = views[CODES].buf;
+    i64 *next = views[NEXT].buf, *row_out = views[ROW_OF].buf, *stamp = views[STAMP].buf,
+        *length = views[LENGTH_OF].buf;
+    u32 *identifier = views[IDENTIFIER].buf;
+    u8 *data = views[DATA_OF].buf;
+    Kinds chosen = {malloc(2 * (size_t)kinds + 2), malloc(2 * (size_t)kinds + 2), 0};
+    u32 *ends = NULL;
+    i32 trouble = !chosen.dense || !chosen.code;
+    Py_BEGIN_ALLOW_THREADS
+    if (!trouble) {
+        for (i64 code = 0; code < kinds; code++) {
+            chosen.dense[code] = next[code] < 0 ? NOWHERE : (u16)chosen.count;
+            if (next[code] >= 0)
+                chosen.code[chosen.count++] = (u16)code;
+        }
+        ends = malloc(4 * (size_t)chosen.count + 4);
+        trouble = !ends;
+    }
+    for (i64 begin = 0; begin < count && !trouble; begin += BLOCK) {
+        u16 order[BLOCK];
+        i64 some = count - begin < BLOCK ? count - begin : BLOCK;
+        sort_block(codes + begin, some, kinds, &chosen, ends, order);
+        u32 from = 0;
+        for (u32 kind = 0; kind < chosen.count && !trouble; from = ends[kind++]) {
+            i64 at = next[chosen.code[kind]], size = ends[kind] - from;
+            if (at > room - size) {
+                trouble = 2;
+                break;
+            }
+            for (u32 place = from; place < ends[kind]; place++, at++) {
+                i64 row = begin + order[place];
+                u64 head = load8(rows + ROW * row);
+                row_out[at] = row;
+                stamp[at] = stamps[row];
+                identifier[at] = (u32)head & 0x7FFFFFFF;
+                length[at] = head >> 32 & 0xFF;
+                store8(data + 8 * at, load8(rows + ROW * row + DATA));
+            }
+            next[chosen.code[kind]] = at;
+        }
+    }
+    Py_END_ALLOW_THREADS
+    free(chosen.dense);
+    free(chosen.code);
+    free(ends);
+    give_buffers_back(&buffers);
+    if (trouble == 1)
+        return PyErr_NoMemory();
+    if (trouble) {
+        PyErr_SetString(PyExc_ValueError, "row: too few");
+        return NULL;
+    }
+    Py_RETURN_NONE;
+}
+
+enum { FIRST_FAST = 0x1ED00 << 8, STREAM = 0x3FFFFFF, STREAMS = (0x20000 << 8) - FIRST_FAST, SLOTS = 1 << 16,
+       SLOT_SIZE = 64 };
+
+/* Wraps around, as NumPy's does. */
+static inline i64 minus(i64 later, i64 earlier) { return (i64)((u64)later - (u64)earlier); }
+
+/* A slot, and its run that is on. */
+typedef struct {
+    i64 began, before;        /* times of the run's first and last frame */
+    i32 run, head, last;      /* number of the run from 1, 0 for none; its first and last frame */
+    i32 size, expected, carried, count; /* bytes announced, frames these take, bytes and frames that came */
+    u8 index;
+    bool whole, calm;         /* what the run is, as far as is known */
+    bool first, waiting;      /* the slot's first run, and whether the slot is in use from before */
+    bool dirty_before, calm_before;
+} Slot;
+_Static_assert(sizeof(Slot) <= SLOT_SIZE, "a slot is larger than the room for it");
+
+/* Where the results go; frames are counted among those of fast packets, runs from 0. */
+typedef struct {
+    i64 *row;                 /* of each frame */
+    i32 *run;                 /* of each frame */
+    i64 *begin, *last;        /* rows of a run's first and last frame */
+    i32 *count;               /* of a run's frames */
+    u16 *slot;                /* of a run */
+    u8 *dirty;                /* a flag a run */
+    i32 *message;             /* the run of each message */
+    i64 *offset;              /* of each message among the payloads */
+    u8 *payloads;
+    i32 *next;                /* the frame that follows in the run */
+    i64 runs, frames, messages, bytes;
+} Found;
+
+static inline void close_run(Slot *slot, Found *found)
+{
+    i32 run = slot->run - 1;
+    bool whole = slot->whole && slot->count == slot->expected;
+    bool dirty = !whole || (slot->first ? slot->waiting : slot->dirty_before && !slot->calm_before);
+    found->dirty[run] = dirty;
+    found->last[run] = found->row[slot->last];
+    found->count[run] = slot->count;
+    slot->dirty_before = dirty;
+    slot->calm_before = slot->calm && whole;
+}
+
+/* A run that is whole becomes a message, unless more frames of it follow. */
+static inline void put_message(const u8 *rows, const Slot *slot, Found *found)
+{
+    u8 *to = found->payloads + found->bytes;
+    found->message[found->messages] = slot->run - 1;
+    found->offset[found->messages++] = found->bytes;
+    i32 frame = slot->head;
+    memcpy(to, rows + ROW * found->row[frame] + DATA + 2, 6);
+    to += 6;
+    for (i32 left = slot->count - 1; left > 0; left--) {
+        frame = found->next[frame];
+        memcpy(to, rows + ROW * found->row[frame] + DATA + 1, 7);
+        to += 7;
+    }
+    found->bytes = to - found->payloads;
+}
+
+static inline void put_frame(const u8 *rows, i64 row, i64 time, Slot *slot, u16 key, Found *found, i64 max_age,
+                             i64 max_gap, i64 longest)
+{
+    const u8 *at = rows + ROW * row;
+    u8 index = at[DATA] & 31, length = at[LENGTH];
+    i32 frame = (i32)found->frames++;
+    found->row[frame] = row;
+    if (!slot->run || !index) {
+        slot->first = !slot->run;
+        if (slot->run)
+            close_run(slot, found);
+        i64 run = found->runs++;
+        slot->calm = !slot->first && minus(time, slot->before) > max_gap;
+        slot->run = (i32)run + 1;
+        slot->began = time;
+        slot->size = at[DATA + 1];
+        slot->expected = 1 + slot->size / 7;
+        slot->carried = length < 8 ? length - 2 : 6;
+        slot->count = 1;
+        slot->whole = !index && slot->size <= longest && (length == 8 || slot->expected == 1);
+        slot->head = frame;
+        found->begin[run] = row;
+        found->slot[run] = key;
+    } else {
+        i64 gap = minus(time, slot->before);
+        slot->count++;
+        slot->carried += length < 8 ? length - 1 : 7;
+        if (gap < 0 || gap > max_gap || index != (u8)(slot->index + 1) || slot->count > slot->expected
+            || (length < 8 && slot->count != slot->expected))
+            slot->whole = false;
+        found->next[slot->last] = frame;
+    }
+    slot->last = frame;
+    slot->index = index;
+    slot->before = time;
+    found->run[frame] = slot->run - 1;
+    if (slot->whole && slot->count == slot->expected) {
+        if (minus(time, slot->began) >= max_age || slot->carried < slot->size)
+            slot->whole = false;
+        else
+            put_message(rows, slot, found);
+    }
+}
+
+/* (rows, now, codes, code, slots, streams, known, waiting, row, run, begin, last, count, slot, dirty, message, offset,
+   payloads, max_age, max_gap, longest) -> (known, runs, messages): fast packets, which are the rows whose code is at
+   least `code`. Of `streams` those that are new are numbered on; known is -1 if there are too many of them, or a row
+   has no data. `waiting` (uint16) are the slots in use; `slots` is room for 65,536 of 64 bytes, which is used again. */
+PyObject *fast_packets(PyObject *module, PyObject *arguments)
+{
+    enum { ROWS, NOW, CODES, WAITING, SLOT_ROOM, STREAM_NUMBERS, ROW_OF, RUN, BEGIN, LAST, COUNT, SLOT, DIRTY, MESSAGE,
+           OFFSET, PAYLOADS, ALL };
+    PyObject *objects[ALL], *result = NULL;
+    Py_buffer views[ALL];
+    Buffers buffers;
+    int code, known;
+    long long max_age, max_gap, longest;
+    (void)module;
+    if (!PyArg_ParseTuple(arguments, "OOOiOOiOOOOOOOOOOOLLL", &objects[ROWS], &objects[NOW], &objects[CODES], &code,
+                          &objects[SLOT_ROOM], &objects[STREAM_NUMBERS], &known, &objects[WAITING], &objects[ROW_OF],
+                          &objects[RUN], &objects[BEGIN], &objects[LAST], &objects[COUNT], &objects[SLOT],
+                          &objects[DIRTY], &objects[MESSAGE], &objects[OFFSET], &objects[PAYLOADS], &max_age, &max_gap,
+                          &longest)
+        || take_buffers(&buffers, views, objects, ALL, SLOT_ROOM))
+        return NULL;
+    i64 all = views[ROWS].len / ROW, room = views[ROW_OF].len / 8, waiting = views[WAITING].len / 2;
+    i32 *next = NULL;
+    if (enough(&views[NOW], all, 8, "now") || enough(&views[CODES], all, 2, "codes")
+        || enough(&views[SLOT_ROOM], SLOTS, SLOT_SIZE, "slots")
+        || enough(&views[STREAM_NUMBERS], STREAMS, 2, "streams") || enough(&views[RUN], room, 4, "run")
+        || enough(&views[BEGIN], room, 8, "begin") || enough(&views[LAST], room, 8, "last")
+        || enough(&views[COUNT], room, 4, "count") || enough(&views[SLOT], room, 2, "slot")
+        || enough(&views[DIRTY], room, 1, "dirty") || enough(&views[MESSAGE], room, 4, "message")
+        || enough(&views[OFFSET], room, 8, "offset") || enough(&views[PAYLOADS], room, 7, "payloads"))
+        goto end;
+    if (room > INT32_MAX || known < 0 || known >= SLOTS >> 3) {
+        PyErr_SetString(PyExc_ValueError, "row or known: too many");
+        goto end;
+    }
+    next = malloc(4 * (size_t)room + 4);
+    if (!next) {
+        PyErr_NoMemory();
+        goto end;
+    }
+    const u8 *rows = views[ROWS].buf;
+    const i64 *now = views[NOW].buf;
+    const u16 *codes = views[CODES].buf, *waiting_slots = views[WAITING].buf;
+    Slot *slots = views[SLOT_ROOM].buf;
+    u16 *streams = views[STREAM_NUMBERS].buf;
+    Found found = {views[ROW_OF].buf, views[RUN].buf, views[BEGIN].buf, views[LAST].buf, views[COUNT].buf,
+                   views[SLOT].buf, views[DIRTY].buf, views[MESSAGE].buf, views[OFFSET].buf, views[PAYLOADS].buf, next,
+                   0, 0, 0, 0};
+    Py_BEGIN_ALLOW_THREADS
+    memset(slots, 0, sizeof(Slot) * (size_t)(known + 1) << 3);
+    for (i64 each = 0; each < waiting; each++)
+        slots[waiting_slots[each]].waiting = true;
+    for (i64 row = 0; row < all; row++) {
+        if (codes[row] < code)
+            continue;
+        const u8 *at = rows + ROW * row;
+        u32 place = (load4(at) & STREAM) - FIRST_FAST;
+        if (place >= STREAMS || !at[LENGTH] || found.frames == room) {
+            known = -1;
+            break;
+        }
+        if (!streams[place]) {
+            if (known + 1 >= SLOTS >> 3) {
+                known = -1;
+                break;
+            }
+            streams[place] = (u16)++known;
+            memset(&slots[known << 3], 0, sizeof(Slot) << 3);
+        }
+        u16 key = (u16)(streams[place] << 3 | at[DATA] >> 5);
+        put_frame(rows, row, now[row], &slots[key], key, &found, max_age, max_gap, longest);
+    }
+    for (int key = 8; key < (known + 1) << 3; key++)
+        if (slots[key].run)
+            close_run(&slots[key], &found);
+    Py_END_ALLOW_THREADS
+    result = Py_BuildValue("iLL", known, (long long)found.runs, (long long)found.messages);
+end:
+    free(next);
+    give_buffers_back(&buffers);
+    return result;
+}
+
+/* (payloads, offset, size, cells, width) -> None: `size` bytes from each offset, and zeros, to rows of `width`. */
+PyObject *cut_payloads(PyObject *module, PyObject *arguments)
+{
+    PyObject *objects[4];
+    Py_buffer views[4];
+    Buffers buffers;
+    long long width;
+    (void)module;
+    if (!PyArg_ParseTuple(arguments, "OOOOL", &objects[0], &objects[1], &objects[2], &objects[3], &width)
+        || take_buffers(&buffers, views, objects, 4, 3))
+        return NULL;
+    i64 count = views[1].len / 8;
+    if (width < 1 || enough(&views[2], count, 8, "size") || enough(&views[3], count, width, "cells")) {
+        give_buffers_back(&buffers);
+        if (!PyErr_Occurred())
+            PyErr_SetString(PyExc_ValueError, "width: 1 at least");
+        return NULL;
+    }
+    const u8 *payloads = views[0].buf;
+    const i64 *offset = views[1].buf, *size = views[2].buf;
+    u8 *cells = views[3].buf;
+    bool in_range = true;
+    Py_BEGIN_ALLOW_THREADS
+    for (i64 each = 0; each < count; each++) {
+        if (size[each] < 0 || size[each] > width || offset[each] < 0 || offset[each] > views[0].len - size[each]) {
+            in_range = false;
+            break;
+        }
+        memcpy(cells + width * each, payloads + offset[each], (size_t)size[each]);
+        memset(cells + width * each + size[each], 0, (size_t)(width - size[each]));
+    }
+    Py_END_ALLOW_THREADS
+    give_buffers_back(&buffers);
+    if (!in_range) {
+        PyErr_SetString(PyExc_ValueError, "payloads: a piece that is not in them");
+        return NULL;
+    }
+    Py_RETURN_NONE;
+}
