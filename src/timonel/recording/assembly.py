@@ -17,7 +17,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from timonel.core import native
+from timonel import native
 from timonel.nmea2000.fastpacket import FastPacketCounters
 from timonel.nmea2000.identifier import GLOBAL
 from timonel.nmea2000.schedule import is_fast

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from timonel.core import native
+from timonel import native
 from timonel.recording.frames import EXTENDED, Rows, Stamps
 from timonel.recording.part import FIRST_FAST, Part, Payloads, pgns_of, stretches
 

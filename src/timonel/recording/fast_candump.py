@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from timonel.core import native
+from timonel import native
 from timonel.recording.candump_words import BLOCK, ROW, SHAPE, Lines, Parser, Shape, any_lines, equal_lines
 from timonel.recording.frames import CHUNK, EXTENDED, FRAME, Bytes, Frames, Rows, Stamps, empty, nanoseconds
 from timonel.recording.lines import LogFrame

@@ -21,7 +21,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from timonel.core import native
+from timonel import native
 from timonel.nmea2000.fastpacket import LONGEST, FastPacketCounters, Reassembler
 from timonel.nmea2000.identifier import split
 from timonel.recording.coded_packets import SLOT_ROOM, CodedPackets
