@@ -15,7 +15,7 @@ from typing import Any
 import msgspec
 
 from timonel.core import codec
-from timonel.core.fields import Ascii, Number
+from timonel.core.fields import Ascii
 from timonel.nmea2000.catalogue import Definition, Field, Group, candidates, keys, pairs
 from timonel.nmea2000.catalogue_layout import (
     Choice,
@@ -37,6 +37,7 @@ from timonel.nmea2000.catalogue_layout import (
 Decoder = Callable[[bytes], Any]
 LAU = {0: "utf-16-le", 1: "utf-8"}
 EVERYTHING = 1 << 16
+EXACT = 1 << 53  # integers up to it are floats without loss: their quotient is that of the floats
 
 
 class Flavour(msgspec.Struct, frozen=True):
@@ -168,8 +169,8 @@ def _paired(field: Field, highest: int) -> Callable[[int, int], Any]:
 @cache
 def decoder(definition: Definition, labels: bool = True, hexadecimal: bool = False) -> Decoder:
     """The function from payload to message."""
-    made = _Source(definition, Flavour(labels, hexadecimal))
-    return made.function("decode")
+    made: Decoder = _Source(definition, Flavour(labels, hexadecimal)).function("decode")
+    return made
 
 
 def source(definition: Definition) -> str:
@@ -184,7 +185,7 @@ class _Source:
         self.definition = definition
         self.flavour = flavour
         self.scope: dict[str, Any] = {"error": struct.error, "real": real, "decimal": decimal, "text": text}
-        self.scope |= {"hexadecimal": _hexadecimal, "cls": message_type(definition)}
+        self.scope |= {"Table": codec.Table, "hexadecimal": _hexadecimal, "cls": message_type(definition)}
         self.numbers = {field.id: number for number, field in enumerate(definition.fields)}
         self.wanted = _wanted(definition)
         self.lines: list[str] = []
@@ -194,86 +195,102 @@ class _Source:
     def text(self) -> str:
         return "\n".join(self.lines) + "\n"
 
-    def function(self, name: str) -> Decoder:
+    def function(self, name: str) -> Any:
         exec(compile(self.text(), f"<decoder of {self.definition.id}>", "exec"), self.scope)
-        function: Decoder = self.scope[name]
-        return function
+        return self.scope[name]
 
-    def value(self) -> Decoder:
+    def value(self) -> Callable[[bytes, int], Any]:
         """The value alone, of a definition with one field of fixed size; None without one (reserved bits)."""
         (part,) = plan(self.definition).parts
         assert isinstance(part, Run)
         run = self._run(part)
-        otherwise = f"return (*short_{run}(data, 0), None)[0]"
-        value = (*self._values(run, part, raws=False), "None")[0]
-        self.lines += ["def value(data, at=0):", *self._unpacked(run, part, "data", otherwise), f" return {value}"]
-        return self.function("value")
+        otherwise = f"return (*short_{run}(data, at), None)[0]"
+        value = (*self._values(part, "at"), "None")[0]
+        self.lines += ["def value(data, at=0):", *self._unpacked(run, part, "data, at", otherwise), f" return {value}"]
+        made: Callable[[bytes, int], Any] = self.function("value")
+        return made
 
     def _decode(self) -> None:
         parts = plan(self.definition).parts
+        if len(parts) == 1 and isinstance(parts[0], Run):
+            self.lines += self._one_run(parts[0])
+            return
+        lines = [line for part in parts for line in self._part(part)]
         order = [f"v{self.numbers[field.id]}" for field in self._outside() if not field.silent]
         order += [f"v_{group.name}" for group in self.definition.groups]
-        if len(parts) == 1 and isinstance(parts[0], Run):
-            run = self._run(parts[0])
-            self.lines += [
-                "def decode(data, at=0):",
-                *self._unpacked(run, parts[0], "data", f"return cls(*short_{run}(data, 0))"),
-            ]
-            self.lines.append(f" return cls({', '.join(self._values(run, parts[0], raws=False))})")
-            return
-        self._body("decode", parts, "cls", order)
+        self.lines += ["def decode(data):", " at, end = 0, len(data)", *lines, f" return cls({', '.join(order)})"]
 
     def _outside(self) -> list[Field]:
         inside = {number for group in self.definition.groups for number in range(group.first, group.end)}
         return [field for number, field in enumerate(self.definition.fields) if number not in inside]
 
-    def _body(self, name: str, parts: Iterable[Any], cls: str, order: list[str], inside: str = "") -> None:
-        """A function over several parts: `decode(data)`, or an item's (data, at) -> (item, end)."""
-        lines = [f"def {name}(data, at{inside}):" if name != "decode" else "def decode(data, at=0):"]
-        for part in parts:
-            match part:
-                case Run():
-                    lines += self._run_call(part)
-                case Tail():
-                    lines += self._tail_call(part)
-                case Repeated():
-                    lines += self._repeated_call(part)
-        made = f"{cls}({', '.join(order)})"
-        self.lines += [*lines, f" return {made}" if name == "decode" else f" return {made}, at"]
-
-    def _run_call(self, part: Run) -> list[str]:
+    def _one_run(self, part: Run) -> list[str]:
         run = self._run(part)
-        numbers = [self.numbers[place.field.id] for place in part.values]
-        names = [f"v{number}" for number in numbers] + [f"r{self.numbers[name]}" for name in self._raws(part)]
-        call = f"({''.join(f'{name}, ' for name in names)}) = run_{run}(data, at)"
-        if not part.conditional:
-            return [f" {call}", f" at += {part.size}"]
-        self.scope["proprietary"] = proprietary
-        nothing = "".join(f" = {name}" for name in names).removeprefix(" = ")
         return [
-            f" if proprietary(v{self.numbers['pgn']}):",
-            f"  {call}",
-            f"  at += {part.size}",
-            " else:",
-            f"  {nothing} = None",
+            "def decode(data):",
+            *self._unpacked(run, part, "data", f"return cls(*short_{run}(data, 0))"),
+            f" return cls({', '.join(self._values(part, ''))})",
         ]
 
-    def _tail_call(self, part: Tail) -> list[str]:
+    def _part(self, part: Run | Tail | Repeated) -> list[str]:
+        """Lines that set the names of a part to its values, and `at` to where it ends."""
+        match part:
+            case Run():
+                return self._run_lines(part)
+            case Tail():
+                return self._tail_lines(part)
+        return self._repeated_lines(part)
+
+    def _run_lines(self, part: Run) -> list[str]:
+        run, words, names = self._run(part), self._words(part), self._names(part)
+        given = [*codec.join_words(words), *map(" {} = {}".format, names, self._values(part, "at", raws=True))]
+        unpacked = [
+            " try:",
+            f"  {codec.word_names(words)} = unpack_{run}(data, at)",
+            " except error:",
+            f"  {_tuple(names)} = short_{run}(data, at)",
+            " else:",
+            *_inside(given),
+        ]
+        lines = [*(unpacked if words.words else given), f" at += {part.size}"]
+        if not part.conditional:
+            return lines
+        self.scope["proprietary"] = proprietary
+        nothing = " = ".join([*names, "None"])
+        return [f" if proprietary(v{self.numbers['pgn']}):", *_inside(lines), " else:", f"  {nothing}"]
+
+    def _names(self, part: Run) -> list[str]:
+        """What the values of a run are called, and the raw values that others need."""
+        numbers = [self.numbers[place.field.id] for place in part.values]
+        return [f"v{number}" for number in numbers] + [f"r{self.numbers[name]}" for name in self._raws(part)]
+
+    def _tail_lines(self, part: Tail) -> list[str]:
         field, number = part.field, self.numbers[part.field.id]
+        if field.kind == "DYNAMIC_FIELD_VALUE":
+            key, length = self._keyed(field)
+            return [f" size, value = keyed_{number}[{key}, {length}]", *self._keyed_lines(number)]
         self.scope[f"tail_{number}"] = tail_reader(self.definition, field, self.flavour)
-        context = "".join(f", {name}" for name in self._context(field))
+        context = f", v{self.numbers[field.length]}" if field.length else ""
         return [f" v{number}, at = tail_{number}(data, at{context})"]
 
-    def _context(self, field: Field) -> list[str]:
-        """What a field of variable size needs to know of earlier ones."""
-        if field.length:
-            return [f"v{self.numbers[field.length]}"]
-        if field.kind == "DYNAMIC_FIELD_VALUE":
-            key, length = announced_by(self.definition, field)
-            return [f"r{self.numbers[key.id]}" if key else "None", f"v{self.numbers[length.id]}" if length else "None"]
-        return []
+    def _keyed(self, field: Field) -> tuple[str, str]:
+        """Names what reads a value whose kind its key tells; the names of its key and its length."""
+        key, length = announced_by(self.definition, field)
+        number = self.numbers[field.id]
+        self.scope[f"keyed_{number}"] = Keyed(key, length, self.flavour)
+        self.scope["octets"] = partial(_octets, self.flavour.hexadecimal)
+        return f"r{self.numbers[key.id]}" if key else "None", f"v{self.numbers[length.id]}" if length else "None"
 
-    def _repeated_call(self, part: Repeated) -> list[str]:
+    def _keyed_lines(self, number: int) -> list[str]:
+        return [
+            " if value is not None and at + size <= end:",
+            f"  v{number} = value(data, at)",
+            "  at += size",
+            " else:",
+            f"  v{number}, at = octets(data, at, size)",
+        ]
+
+    def _repeated_lines(self, part: Repeated) -> list[str]:
         group = part.group
         count = f"v{self.numbers[group.counter]} or 0" if group.counter else str(EVERYTHING)
         name, item = f"v_{group.name}", item_type(self.definition, group)
@@ -286,36 +303,49 @@ class _Source:
             self.scope[f"list_{name}"] = partial(packed, item, table(part.parts[0].places[0], self.flavour))
             return [f" {name}, at = list_{name}(data, at, {count})"]
         self.scope[f"cls_{name}"] = item
-        if len(part.parts) == 1 and isinstance(part.parts[0], Run) and not self._raws(part.parts[0]):
+        if len(part.parts) == 1 and isinstance(part.parts[0], Run) and self._is_words(part.parts[0]):
             return self._fixed_items(part.parts[0], part.least, name, count)
         order = [f"v{number}" for number in range(group.first, group.end) if not self.definition.fields[number].silent]
-        outer = [name for one in part.parts if isinstance(one, Tail) for name in self._context(one.field)]
-        outer = [name for name in outer if name != "None" and not group.first <= int(name[1:]) < group.end]
-        context = "".join(f", {name}" for name in outer)
-        self._body(f"item_{name}", part.parts, f"cls_{name}", order, context)
         return [
             f" {name}, left = [], {count}",
-            f" while left > 0 and at + {part.least} <= len(data):",
-            f"  item, at = item_{name}(data, at{context})",
-            f"  {name}.append(item)",
+            f" while left > 0 and at + {part.least} <= end:",
+            *_inside(self._item_lines(part)),
+            f"  {name}.append(cls_{name}({', '.join(order)}))",
             "  left -= 1",
             f" {name} = {name} or None",
         ]
 
+    def _item_lines(self, part: Repeated) -> list[str]:
+        """Lines that read an item: where two bytes tell its kind and its size, they are looked up as they are."""
+        match part.parts:
+            case (Run(size=size) as head, Tail(field=Field(kind="DYNAMIC_FIELD_VALUE") as field)) if size <= 2:
+                key, length = self._keyed(field)
+                number, names = self.numbers[field.id], [name for name in self._names(head) if name[0] == "v"]
+                known = [*names, f"*keyed_{number}[{key}, {length}]"]
+                self.lines += [f"def head_{number}(data, at=0):", *self._run_lines(head), f" return {_tuple(known)}"]
+                self.lines += [f"heads_{number} = Table(head_{number})"]
+                found, heads = _tuple([*names, "size", "value"]), f"heads_{number}[data[at : at + {size}]]"
+                return [f" {found} = {heads}", f" at += {size}", *self._keyed_lines(number)]
+        return [line for one in part.parts for line in self._part(one)]
+
     def _fixed_items(self, part: Run, least: int, name: str, count: str) -> list[str]:
-        """A repeating set whose items are one run."""
+        """A repeating set whose items are one run: all that are whole are unpacked at once."""
         run = self._run(part)
-        self.lines += [
-            f"def item_{name}(data, at):",
-            *self._unpacked(run, part, "data, at", f"return cls_{name}(*short_{run}(data, at))"),
-            f" return cls_{name}({', '.join(self._values(run, part, raws=True))})",
-        ]
+        words = self._words(part)
+        self.scope[f"each_{run}"] = struct.Struct(_format(words, part.size)).iter_unpack
         return [
             f" {name}, left = [], {count}",
-            f" while left > 0 and at + {least} <= len(data):",
-            f"  {name}.append(item_{name}(data, at))",
-            f"  at += {part.size}",
-            "  left -= 1",
+            " if left and at <= end:",
+            f"  behind = at + left * {part.size}",
+            "  if behind > end:",
+            f"   behind = at + (end - at) // {part.size} * {part.size}",
+            f"  for {codec.word_names(words)} in each_{run}(data[at:behind]):",
+            *_inside(_inside(codec.join_words(words))),
+            f"   {name}.append(cls_{name}({', '.join(self._values(part, ''))}))",
+            f"  if len({name}) < left and behind + {least} <= end:",
+            f"   {name}.append(cls_{name}(*short_{run}(data, behind)))",
+            f"   behind += {part.size}",
+            "  at = behind",
             f" {name} = {name} or None",
         ]
 
@@ -323,32 +353,38 @@ class _Source:
         """The fields of a run whose raw values others need."""
         return [place.field.id for place in part.values if place.field.id in self.wanted]
 
+    def _is_words(self, part: Run) -> bool:
+        """Whether all that is needed of a run stands in its words, and nobody needs more than the values."""
+        return not self._raws(part) and not any(isinstance(place.kind, Octets) for place in part.places)
+
+    def _words(self, part: Run) -> codec.Run:
+        """The words of a run that have more than constants in them."""
+        run, others = part.words(), self.wanted | {place.field.by for place in part.places}
+        places = {str(number): place.field for number, place in enumerate(part.places)}
+        read = {name for name, field in places.items() if field.match is None or field.id in others}
+        words = [word for word in run.words if any(slot.name in read for slot in word.slots)]
+        return msgspec.structs.replace(run, words=words)
+
     def _run(self, part: Run) -> int:
-        """Writes `run_N(data, at)` and names what it and its slow way need; N."""
+        """Names what a run and its slow way need; its number N."""
         run = self.runs
         self.runs += 1
-        words = part.words()
+        words = self._words(part)
         end = words.words[-1].end if words.words else 0
         self.scope[f"unpack_{run}"] = struct.Struct(_format(words)).unpack_from
         for place in part.values:
             self._name(place)
         self.scope[f"short_{run}"] = self._short(run, part, end)
-        head, otherwise = f"run_{run}(data, at)", f"return short_{run}(data, at)"
-        self.lines += self._run_function(head, run, part, "data, at", otherwise, None)
         return run
-
-    def _run_function(self, head: str, run: int, part: Run, window: str, otherwise: str, have: int | None) -> list[str]:
-        """A function that returns the values of a run, and the raw values that others need."""
-        values = self._values(run, part, raws=True, have=have)
-        returned = f" return ({''.join(f'{value}, ' for value in values)})"
-        return [f"def {head}:", *self._unpacked(run, part, window, otherwise), returned]
 
     def _short(self, run: int, part: Run, end: int) -> Callable[[bytes, int], Any]:
         """The slow way: for each number of bytes that are left a function of its own, made when it is met."""
         made: dict[int, Callable[[bytes, int, bytes], Any]] = {}
 
         def function(have: int) -> Callable[[bytes, int, bytes], Any]:
-            lines = self._run_function("cut(data, at, filled)", run, part, "filled", "raise", have)
+            values = self._values(part, "at", raws=True, have=have)
+            lines = ["def cut(data, at, filled):", *self._unpacked(run, part, "filled", "raise")]
+            lines += [f" return {_tuple(values)}"]
             scope = dict(self.scope)
             exec(compile("\n".join(lines), f"<decoder of {self.definition.id}>", "exec"), scope)
             cut: Callable[[bytes, int, bytes], Any] = scope["cut"]
@@ -364,7 +400,7 @@ class _Source:
 
     def _unpacked(self, run: int, part: Run, window: str, otherwise: str) -> list[str]:
         """Lines that set the words of a run to what stands in `window`."""
-        words = part.words()
+        words = self._words(part)
         return [
             " try:",
             f"  {codec.word_names(words)} = unpack_{run}({window})",
@@ -373,8 +409,8 @@ class _Source:
             *codec.join_words(words),
         ]
 
-    def _values(self, run: int, part: Run, raws: bool, have: int | None = None) -> list[str]:
-        """Their expressions; None for what `have` bytes are too few for."""
+    def _values(self, part: Run, at: str, raws: bool = False, have: int | None = None) -> list[str]:
+        """Their expressions, in a run that begins at `at`; None for what `have` bytes are too few for."""
         words = part.words()
         word_of = {slot.name: word for word in words.words for slot in word.slots}
         expressions, raw_of = [], {}
@@ -384,7 +420,7 @@ class _Source:
                 raw_of[place.field.id] = codec.raw_value(slot, word, place.offset - 8 * word.start)
         cut = {place.field.id for place in part.values if have is not None and place.need > 8 * have}
         for place in part.values:
-            value = "None" if place.field.id in cut else self._value(place, raw_of, "at" if raws else "")
+            value = "None" if place.field.id in cut else self._value(place, raw_of, at)
             expressions.append(value)
         if raws:
             expressions += ["None" if name in cut else raw_of[name] for name in self._raws(part)]
@@ -414,8 +450,8 @@ class _Source:
                 return (
                     f"(t + {shift}) / {float(kind.inverse or 1)!r} if {lowest} <= (t := {raw}) <= {highest} else None"
                 )
-            case Number() as kind:
-                return codec.number_value(kind, raw)
+            case Ranged() as kind:
+                return _number(kind, raw)
             case Choice():
                 by = raw_of.get(field.by)
                 return f"pair_{number}({by}, {raw})" if field.by and self.flavour.labels else f"table_{number}[{raw}]"
@@ -454,14 +490,32 @@ def announced_by(definition: Definition, value: Field) -> tuple[Field | None, Fi
     return key, next((field for field in before if field.kind == "DYNAMIC_FIELD_LENGTH"), None)
 
 
-def _format(words: codec.Run) -> str:
-    """The struct format up to the last word that is read."""
+def _number(kind: Ranged, raw: str) -> str:
+    """`codec.number_value`, quicker: without a bound that nothing is below, and an integer divided by an integer."""
+    (lowest, highest), most = kind.range, (1 << kind.bits - kind.signed) - 1
+    once, again = (raw, raw) if raw.isidentifier() else (f"(t := {raw})", "t")
+    if kind.inverse is None or kind.offset or max(most, kind.inverse) > EXACT:
+        return codec.number_value(kind, raw)
+    below = f"{lowest} <= " if lowest > (-most - 1 if kind.signed else 0) else ""
+    return f"{again} / {kind.inverse} if {below}{once} <= {highest} else None"
+
+
+def _tuple(names: Iterable[str]) -> str:
+    return f"({''.join(f'{name}, ' for name in names)})"
+
+
+def _inside(lines: Iterable[str]) -> list[str]:
+    return [f" {line}" for line in lines]
+
+
+def _format(words: codec.Run, size: int = 0) -> str:
+    """The struct format up to the last word that is read, or of `size` bytes."""
     parts, at = ["<"], 0
     for word in words.words:
         parts += [f"{word.start - at}x"] if word.start > at else []
         parts += [letter for letter, _ in word.pieces]
         at = word.end
-    return "".join(parts)
+    return "".join([*parts, f"{size - at}x"] if size > at else parts)
 
 
 # Fields of variable size ---------------------------------------------------------------------------
@@ -525,10 +579,15 @@ class Keyed(dict[tuple[int | None, int | None], tuple[int, Any]]):
     def read(self, data: bytes, at: int, key: int | None, length: int | None) -> tuple[Any, int]:
         """The value and where it ends; bytes where its kind is not known."""
         size, value = self[key, length]
-        found = data[at : at + size]
-        if value is not None and len(found) == size:
-            return value(found), at + size
-        return (_hexadecimal(found) if self._flavour.hexadecimal else found) if found else None, at + len(found)
+        if value is not None and at + size <= len(data):
+            return value(data, at), at + size
+        return _octets(self._flavour.hexadecimal, data, at, size)
+
+
+def _octets(hexadecimal: bool, data: bytes, at: int, size: int) -> tuple[Any, int]:
+    """Up to `size` bytes, None for none, and where they end."""
+    found = data[at : at + size]
+    return (_hexadecimal(found) if hexadecimal else found) if found else None, at + len(found)
 
 
 def sized(field: Field, size: int) -> Field | None:
@@ -545,15 +604,15 @@ def reader(field: Field, flavour: Flavour) -> Any:
     if isinstance(single(field), Tail):
         return tail_reader(_alone(field), _alone(field).fields[0], flavour)
     read, size = value_of(field, flavour), -(-(field.bits or 0) // 8)
-    return lambda data, at: (read(data[at : at + size]), at + size)
+    return lambda data, at: (read(data, at), at + size)
 
 
 @cache
-def value_of(field: Field, flavour: Flavour) -> Callable[[bytes], Any]:
-    """data -> value of a field on its own."""
+def value_of(field: Field, flavour: Flavour) -> Callable[[bytes, int], Any]:
+    """(data, at) -> value of a field on its own."""
     if isinstance(single(field), Tail):
         read = reader(field, flavour)
-        return lambda data: read(data, 0)[0]
+        return lambda data, at: read(data, at)[0]
     return _Source(_alone(field), flavour).value()
 
 

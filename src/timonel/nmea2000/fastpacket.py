@@ -56,7 +56,8 @@ _STREAM = 0x3FFFFFF  # an identifier without its priority, which a sender may ch
 _PADDINGS = [b"\xff" * (6 - rest) for rest in range(7)]
 _CUTS = [struct.Struct("7s" * count).unpack for count in range(1, 33)]
 _SIZES = [bytes((size,)) for size in range(LONGEST + 1)]
-_SPENT = 32  # `next` of a slot whose message is lost: no frame has this index
+_CARRIED = [struct.Struct("x7s" * count).unpack for count in range(33)]  # what so many whole frames carry
+_AHEAD, _SPENT = -1, -2  # no frame begins so
 
 
 class FastPacketCounters(msgspec.Struct, gc=False):
@@ -82,16 +83,39 @@ class FastPacketCounters(msgspec.Struct, gc=False):
     """Frames that no fast packet has: no data, a length above 223, too short."""
 
 
-class _Slot(msgspec.Struct, gc=False):
-    """A message on its way in, an early frame 1 (`next` is 0), or what a lost message leaves (`_SPENT`)."""
+class _Slot:
+    """A message on its way in, an early frame 1, or what a lost message leaves.
+
+    Each frame changes it, and the fields of a struct take longer to set than those of a plain class.
+    """
+
+    __slots__ = ("ahead", "due", "exchangeable", "first", "last", "parts", "stop")
 
     first: float  # when its first frame came
     last: float  # when its last frame came
-    next: int  # index that the next frame should have
-    parts: list[bytes]  # what its frames carry, in order: the length, then the message
-    end: int = 0  # number of frames of the message
-    ahead: bytes | None = None  # the frame after `next`, come early; of a lost message, its latest frame
-    exchangeable: bool = True
+    parts: list[bytes]  # its frames, in order
+    due: int  # how the frame begins that is simply the next; _AHEAD if that has come already, _SPENT if all is lost
+    stop: int  # `due` behind the last frame; 0 for an early frame 1, and if all is lost
+    ahead: bytes | None  # the frame after `next`, come early; of a lost message, its latest frame
+    exchangeable: bool
+
+    @property
+    def next(self) -> int:
+        """Index that the next frame should have; one that no frame has if all is lost."""
+        return 32 if self.due == _SPENT else len(self.parts)
+
+    @property
+    def end(self) -> int:
+        """Number of frames of the message; 0 if that is not known."""
+        return self.stop - self.parts[0][0] if self.parts else 0
+
+    def take(self, frame: bytes) -> None:
+        self.parts.append(frame)
+        self.due = frame[0] + 1
+
+    def lose(self, frame: bytes) -> None:
+        """What stays of the message keeps its later frames out of the next."""
+        self.parts, self.due, self.stop, self.ahead = [], _SPENT, 0, frame
 
 
 class Reassembler:
@@ -105,6 +129,7 @@ class Reassembler:
         self.counters = FastPacketCounters()
         self._max_age = max_age
         self._max_gap = max_gap
+        self._min_gap = -max_gap
         self._max_slots = max_slots
         self._slots: dict[int, _Slot] = {}
 
@@ -124,20 +149,20 @@ class Reassembler:
         if not data:
             self.counters.malformed += 1
             return None
-        key = (identifier & _STREAM) << 3 | data[0] >> 5
-        index = data[0] & 31
+        head = data[0]
+        key = (identifier & _STREAM) << 3 | head >> 5
         slot = self._slots.get(key)
         if slot is None:
-            return self._begin(key, index, data, now)
-        if now - slot.first >= self._max_age or not -self._max_gap <= now - slot.last <= self._max_gap:
+            return self._begin(key, head & 31, data, now)
+        if not self._min_gap <= now - slot.last <= self._max_gap or now - slot.first >= self._max_age:
             self._forget(key, slot)
-            return self._begin(key, index, data, now)
+            return self._begin(key, head & 31, data, now)
         slot.last = now
-        if index != slot.next or slot.ahead is not None or len(data) != 8:
-            return self._out_of_place(key, slot, index, data, now)
-        slot.parts.append(data[1:])
-        slot.next = index + 1
-        return self._complete(key, slot) if slot.next == slot.end else None
+        if head != slot.due or len(data) != 8:
+            return self._out_of_place(key, slot, head & 31, data, now)
+        slot.parts.append(data)
+        slot.due = due = head + 1
+        return self._complete(key, slot) if due == slot.stop else None
 
     def expire(self, now: float) -> None:
         """Give up what is too old, so that the counters are exact; never needed for safety."""
@@ -147,24 +172,24 @@ class Reassembler:
 
     def _forget(self, key: int, slot: _Slot) -> None:
         del self._slots[key]
-        if slot.next != _SPENT:
+        if slot.due != _SPENT:
             self.counters.expired += 1
 
     def _begin(self, key: int, index: int, data: bytes, now: float) -> bytes | None:
         """The first frame that comes of a message."""
         if index == 0:
-            return self._start(key, data, now)
+            return self._start(key, data, now, True)
         if index == 1 and len(data) == 8:
-            self._keep(key, _Slot(now, now, 0, [], 0, data))
+            self._keep(key, [], _AHEAD, 0, now, True).ahead = data
         else:
             self.counters.headless += 1
         return None
 
-    def _start(self, key: int, data: bytes, now: float, exchangeable: bool = True) -> bytes | None:
+    def _start(self, key: int, data: bytes, now: float, exchangeable: bool) -> bytes | None:
         """A message's frame 0."""
         end = _end(data)
         if end > 1:
-            self._keep(key, _Slot(now, now, 1, [data[1:]], end, None, exchangeable))
+            self._keep(key, [data], data[0] + 1, data[0] + end, now, exchangeable)
             return None
         if end == 0:
             self.counters.malformed += 1
@@ -178,12 +203,12 @@ class Reassembler:
             self.counters.duplicates += 1
         elif index == 0:
             return self._restart(key, slot, data, now)
-        elif slot.next == _SPENT:
+        elif slot.due == _SPENT:
             self.counters.headless += 1
         elif index == slot.next:
             return self._fill(key, slot, data)
         elif index == slot.next + 1 < slot.end and slot.ahead is None and slot.exchangeable:
-            slot.ahead = data
+            slot.ahead, slot.due = data, _AHEAD
         else:
             self._lose(slot, data)
         return None
@@ -191,7 +216,7 @@ class Reassembler:
     def _restart(self, key: int, slot: _Slot, data: bytes, now: float) -> bytes | None:
         """Frame 0 in a live slot."""
         end, early = _end(data), slot.next == 0
-        if 0 < slot.next < _SPENT:
+        if slot.parts:
             self.counters.interrupted += 1
         if (early and end == 2) or (slot.end == 2 and end > 1):
             self._lose(slot, data)
@@ -209,22 +234,23 @@ class Reassembler:
         if len(data) < 8 and slot.next + 1 < slot.end:
             self._lose(slot, data)
             return None
-        slot.parts.append(data[1:])
-        slot.next += 1
+        slot.take(data)
         self._take_ahead(slot, slot.ahead)
         return self._complete(key, slot) if slot.next == slot.end else None
 
     def _take_ahead(self, slot: _Slot, ahead: bytes | None) -> None:
         if ahead is None:
             return
-        slot.parts.append(ahead[1:])
+        slot.take(ahead)
         slot.ahead = None
-        slot.next += 1
         self.counters.exchanged += 1
 
     def _complete(self, key: int, slot: _Slot) -> bytes | None:
         del self._slots[key]
-        data = b"".join(slot.parts)
+        parts = slot.parts
+        data = b"".join(parts)
+        whole = len(data) == 8 * len(parts)  # the last frame has all its padding
+        data = b"".join(_CARRIED[len(parts)](data) if whole else [part[1:] for part in parts])
         if len(data) <= data[0]:
             self.counters.malformed += 1
             return None
@@ -232,15 +258,17 @@ class Reassembler:
         return data[1 : 1 + data[0]]
 
     def _lose(self, slot: _Slot, data: bytes) -> None:
-        """The message is lost; what stays of it keeps its later frames out of the next."""
         self.counters.broken += 1
-        slot.next, slot.parts, slot.end, slot.ahead = _SPENT, [], 0, data
+        slot.lose(data)
 
-    def _keep(self, key: int, slot: _Slot) -> None:
+    def _keep(self, key: int, parts: list[bytes], due: int, stop: int, now: float, exchangeable: bool) -> _Slot:
         if len(self._slots) >= self._max_slots:
             del self._slots[next(iter(self._slots))]
             self.counters.evicted += 1
-        self._slots[key] = slot
+        self._slots[key] = slot = _Slot()
+        slot.first = slot.last = now
+        slot.parts, slot.due, slot.stop, slot.ahead, slot.exchangeable = parts, due, stop, None, exchangeable
+        return slot
 
 
 def fragment(payload: bytes, sequence: int) -> list[bytes]:
@@ -266,7 +294,7 @@ def cut(payload: bytes) -> tuple[bytes, ...]:
 def _repeated(slot: _Slot, index: int, data: bytes) -> bool:
     if slot.ahead is not None:
         return data == slot.ahead
-    return index == slot.next - 1 and data[1:] == slot.parts[-1]
+    return index == slot.next - 1 and data == slot.parts[-1]
 
 
 def _end(first: bytes) -> int:

@@ -159,7 +159,7 @@ def test_fields_that_python_cannot_name_keep_their_ids_in_dictionaries():
 
 
 def test_the_decoder_is_python_that_can_be_read():
-    assert source(catalogue.by_id("vesselHeading")).count("def ") == 2
+    assert source(catalogue.by_id("vesselHeading")).startswith("def decode(data):\n try:\n  (w0_0, w1_0, ")
 
 
 def test_a_number_counted_from_an_offset_is_as_short_as_it_is_sent():
