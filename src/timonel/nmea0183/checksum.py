@@ -12,8 +12,10 @@ from timonel.errors import EncodeError
 LONGEST = 82
 """Characters of a written sentence, from `$` to the line feed."""
 
+ENDINGS = tuple(b"*%02X\r\n" % value for value in range(256))
+"""What a sentence ends with, by check sum."""
+
 _STARTS = b"$!"
-_ENDINGS = tuple(b"*%02X\r\n" % value for value in range(256))
 _DIGITS = "0123456789ABCDEFabcdef"
 _VALUES = {(high + low).encode(): int(high + low, 16) for high in _DIGITS for low in _DIGITS}
 
@@ -68,4 +70,4 @@ def seal(body: str) -> bytes:
     data = body.encode()
     if len(data) > LONGEST - 6:
         raise EncodeError(f"{body[:5]}: {len(data) + 6} characters, a sentence has at most {LONGEST}")
-    return b"$" + data + _ENDINGS[checksum(data)]
+    return b"$" + data + ENDINGS[checksum(data)]

@@ -17,6 +17,7 @@ from timonel.nmea0183.tag_block import is_sound
 
 _PRINTABLE = bytes(range(0x20, 0x7F))
 _LINE = _PRINTABLE + b"\r\n"
+_INNER = _PRINTABLE.translate(None, b"$!")
 
 
 class SentenceFramer:
@@ -37,6 +38,15 @@ class SentenceFramer:
 
     def receive(self, data: bytes) -> list[bytes]:
         """The sentences that `data` completes, in order. Written for speed: runs once a read."""
+        line = data[:-2]
+        if (
+            data.endswith(b"\r\n")
+            and line.translate(None, _INNER) == b"$"
+            and line.startswith(b"$")
+            and not self._rest
+            and len(line) <= self.longest
+        ):
+            return [line]  # one sentence and nothing else, as a head says its commands
         data = self._rest + data
         clean = not data.translate(None, _LINE)
         lines = data.replace(b"\r", b"\n").split(b"\n")

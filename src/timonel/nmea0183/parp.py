@@ -18,7 +18,7 @@ from functools import lru_cache
 import msgspec
 
 from timonel.errors import EncodeError
-from timonel.nmea0183.checksum import Fault, seal, verify
+from timonel.nmea0183.checksum import ENDINGS, Fault, checksum, seal, verify
 
 TURN = 3600
 """Tenths of a degree in a full turn; set points are counted in these."""
@@ -98,7 +98,35 @@ _STATIONS = {b"01": 1, b"02": 2, b"03": 3, b"04": 4}
 _COMMANDERS = {b"00": 0, **_STATIONS}
 _MODES = {mode.value.encode(): mode for mode in PilotMode}
 _STANDBY = PilotMode.STANDBY
-_PRINTED = tuple(f"{whole:03d}.{tenth}" for whole in range(360) for tenth in range(10))
+_SETHEADING = Verb.SETHEADING
+
+# Every sentence of these is waited for, so it is put together of parts that are printed already. A check sum is the
+# XOR of the parts' check sums, which stand beside them.
+Part = tuple[bytes, int]
+
+_PRINTED = tuple(b"%03d.%d" % (whole, tenth) for whole in range(360) for tenth in range(10))
+_PRINTED_SUMS = bytes(map(checksum, _PRINTED))
+_TENTHS = {text: tenths for tenths, text in enumerate(_PRINTED)}
+_STATUS_BEGINNINGS: dict[PilotMode | None, Part] = {
+    mode: (b"$" + body, checksum(body))
+    for mode, body in ((mode, f"PARP,STATUS,{mode or ''},".encode()) for mode in (None, *PilotMode))
+}
+_STATUS_ENDS: tuple[Part, ...] = tuple((b"," + text, checksum(b",,," + text)) for text in _COMMANDERS)
+_SET_HEADING = b"$PARP,SETHEADING,"
+_SET_BY: dict[bytes, tuple[int, int]] = {
+    b"," + text: (station, checksum(_SET_HEADING[1:] + b"," + text)) for text, station in _STATIONS.items()
+}
+
+
+class _Printed(dict[str, Part]):
+    """Texts as they are met, as parts."""
+
+    def __missing__(self, text: str) -> Part:
+        part = self[text] = (text.encode(), checksum(text.encode()))
+        return part
+
+
+_RUDDERS = _Printed()  # 7,201 at most
 
 _PARAMETER = re.compile(rb"(-?)([0-9]{1,4})(?:\.([0-9]{1,4}))?")
 _DEGREES = re.compile(rb"[0-9]{1,3}(?:\.[0-9]{1,4})?")
@@ -118,12 +146,25 @@ def status(
     Heading and set point are normalised modulo 360, the rudder is positive to starboard. Raises EncodeError
     for a number that is not finite and for a commander outside 0..4.
     """
-    setpoint = 0 if mode is _STANDBY else setpoint_tenths
-    heading = "" if heading_deg is None else _degrees(_tenths(heading_deg, "STATUS.heading"))
-    return seal(
-        f"PARP,STATUS,{mode or ''},{'' if setpoint is None else _degrees(setpoint)},"
-        f"{heading},{_rudder(rudder_deg)},{_station(commander, 0)}"
-    )
+    beginning, total = _STATUS_BEGINNINGS[mode]
+    setpoint = heading = rudder = b""
+    if mode is _STANDBY:
+        setpoint_tenths = 0
+    if setpoint_tenths is not None:
+        setpoint_tenths %= TURN
+        setpoint = _PRINTED[setpoint_tenths]
+        total ^= _PRINTED_SUMS[setpoint_tenths]
+    if heading_deg is not None:
+        heading_tenths = _tenths(heading_deg, "STATUS.heading") % TURN
+        heading = _PRINTED[heading_tenths]
+        total ^= _PRINTED_SUMS[heading_tenths]
+    if rudder_deg is not None:
+        rudder, rudder_sum = _RUDDERS[_rudder(rudder_deg)]
+        total ^= rudder_sum
+    if not 0 <= commander <= 4:
+        raise _outside(commander, 0)
+    end, end_sum = _STATUS_ENDS[commander]
+    return b"%b%b,%b,%b%b%b" % (beginning, setpoint, heading, rudder, end, ENDINGS[total ^ end_sum])
 
 
 def cmdtransfer(previous: int, commander: int) -> bytes:
@@ -141,14 +182,31 @@ def command(verb: Verb, station: int, parameter: float = 0.0) -> bytes:
 
     Raises EncodeError for a parameter that is not finite and for a station outside 1..4.
     """
-    text = _degrees(_tenths(parameter, f"{verb}.parameter"))
+    text = _PRINTED[_tenths(parameter, f"{verb}.parameter") % TURN].decode()
     return seal(f"PARP,{verb},{text},{_station(station, 1)}")
+
+
+def read_command(sentence: bytes) -> Command | Fault:
+    """The command of one framed sentence, or why it is none."""
+    if sentence.startswith(_SET_HEADING) and (command := _set_heading(sentence)) is not None:
+        return command
+    return _read_command(sentence)
+
+
+def _set_heading(sentence: bytes) -> Command | None:
+    """The command of a SETHEADING as `command` writes it; None for one in other words, or none at all."""
+    tenths, by = _TENTHS.get(sentence[17:22]), _SET_BY.get(sentence[22:25])
+    if tenths is None or by is None:
+        return None
+    station, total = by
+    if sentence[25:] != ENDINGS[total ^ _PRINTED_SUMS[tenths]][:3]:
+        return None
+    return Command(_SETHEADING, station, None, tenths)
 
 
 # A head says the same dozen sentences over and over, and each is waited for.
 @lru_cache(maxsize=1024)
-def read_command(sentence: bytes) -> Command | Fault:
-    """The command of one framed sentence, or why it is none."""
+def _read_command(sentence: bytes) -> Command | Fault:
     body = verify(sentence)
     if not isinstance(body, bytes):
         return body
@@ -251,14 +309,7 @@ def _tenths(degrees: float, label: str) -> int:
     raise EncodeError(f"{label}: {degrees} is not an angle")
 
 
-def _degrees(tenths: int) -> str:
-    """`000.0`..`359.9`."""
-    return _PRINTED[tenths % TURN]
-
-
-def _rudder(degrees: float | None) -> str:
-    if degrees is None:
-        return ""
+def _rudder(degrees: float) -> str:
     if abs(degrees) <= 360.0:
         return f"{degrees:+z.1f}"
     raise EncodeError(f"STATUS.rudder: {degrees} is outside -360..360")
@@ -267,4 +318,8 @@ def _rudder(degrees: float | None) -> str:
 def _station(number: int, lowest: int) -> str:
     if lowest <= number <= 4:
         return _NUMBERS[number]
-    raise EncodeError(f"station: {number} is outside {lowest}..4")
+    raise _outside(number, lowest)
+
+
+def _outside(station: int, lowest: int) -> EncodeError:
+    return EncodeError(f"station: {station} is outside {lowest}..4")

@@ -1,4 +1,6 @@
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from timonel.nmea0183.framing import SentenceFramer
 
@@ -77,3 +79,15 @@ def test_a_sentence_behind_endless_garbage_is_understood() -> None:
     assert framer.receive(b"\x55" * 100_000) == []
     assert framer.receive(HDT + b"\r\n") == [HDT]
     assert framer.garbage_bytes == 100_000
+
+
+@given(
+    st.text("$!,A9\\\r\n\x00\xff", max_size=24), st.sampled_from(["$", "!", ""]), st.sampled_from(["\r\n", "\n", ""])
+)
+def test_a_line_that_comes_at_once_is_cut_as_if_it_came_byte_by_byte(middle: str, start: str, end: str) -> None:
+    data = (start + middle + end).encode("latin-1")
+    whole, trickle = SentenceFramer(longest=20), SentenceFramer(longest=20)
+    assert whole.receive(data) == [s for byte in data for s in trickle.receive(bytes((byte,)))]
+    assert whole.receive(HDT + b"\r\n") == trickle.receive(HDT + b"\r\n")
+    counted = ("overlong", "garbage_bytes", "unprintable")
+    assert [getattr(whole, name) for name in counted] == [getattr(trickle, name) for name in counted]

@@ -1,8 +1,10 @@
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from timonel.errors import EncodeError
 from timonel.nmea0183 import parp
-from timonel.nmea0183.checksum import Fault, seal
+from timonel.nmea0183.checksum import Fault, checksum, seal, verify
 from timonel.nmea0183.parp import (
     Command,
     CommandRequested,
@@ -235,3 +237,58 @@ def test_a_mode_that_a_station_does_not_know_is_not_standby(word: str) -> None:
 )
 def test_a_malformed_report_is_none(body: bytes) -> None:
     assert parse_report(body) is Fault.MALFORMED
+
+
+# What is put together of parts, and read at once, beside the long way ----------------------------------------
+
+DEGREES = st.floats(-1000.0, 1000.0)
+
+
+@given(
+    st.none() | st.sampled_from(PilotMode),
+    st.none() | st.integers(-5000, 5000),
+    st.none() | DEGREES,
+    st.none() | st.floats(-360.0, 360.0),
+    st.integers(0, 4),
+)
+def test_a_status_of_parts_is_its_text_with_its_check_sum(
+    mode: PilotMode | None, setpoint: int | None, heading: float | None, rudder: float | None, commander: int
+) -> None:
+    course = 0 if mode is PilotMode.STANDBY else setpoint
+    texts = [
+        "" if mode is None else mode.value,
+        "" if course is None else f"{course % 3600 / 10:05.1f}",
+        "" if heading is None else f"{round(heading * 10) % 3600 / 10:05.1f}",
+        "" if rudder is None else f"{rudder:+z.1f}",
+        f"{commander:02d}",
+    ]
+    assert parp.status(mode, setpoint, heading, rudder, commander) == seal(f"PARP,STATUS,{','.join(texts)}")
+
+
+@pytest.mark.parametrize("station", [1, 2, 3, 4])
+def test_every_heading_to_set_is_read_at_once_as_it_is_the_long_way(station: int) -> None:
+    for tenths in range(3600):
+        sentence = parp.command(Verb.SETHEADING, station, tenths / 10)[:-2]
+        body = verify(sentence)
+        assert isinstance(body, bytes)
+        assert read_command(sentence) == parse_command(body) == Command(Verb.SETHEADING, station, None, tenths)
+
+
+@given(st.integers(0, 27), st.integers(0, 255).filter(lambda byte: byte != ord("$")), st.booleans())
+def test_a_heading_to_set_with_one_byte_changed_is_read_as_it_is_the_long_way(
+    place: int, byte: int, sealed: bool
+) -> None:
+    sentence = bytearray(parp.command(Verb.SETHEADING, 2, 200.0)[:-2])
+    sentence[place] = byte
+    if sealed and 1 <= place < 25:
+        sentence[-2:] = checksum(bytes(sentence[1:-3])).to_bytes().hex().upper().encode()
+    body = verify(bytes(sentence))
+    command = body if isinstance(body, Fault) else parse_command(body)
+    assert read_command(bytes(sentence)) == (command if place else Fault.MALFORMED)
+
+
+@pytest.mark.parametrize(
+    "sentence", [b"$PARP,SETHEADING,200.0,02*3", b"$PARP,SETHEADING,200.0,02", b"$PARP,SETHEADING,"]
+)
+def test_a_heading_to_set_that_is_cut_off_is_none(sentence: bytes) -> None:
+    assert isinstance(read_command(sentence), Fault)

@@ -49,13 +49,12 @@ class Helm:
 
     def obey(self, command: parp.Command, station: int, now: float) -> list[Event]:
         """The same where nothing is overdue: between a key and the rudder it is looked at once."""
-        if command.verb in TRANSFER:
-            effects = self.transfer.receive(TRANSFER[command.verb], station, now, command.requester)
-        elif station != self.transfer.commander:
-            effects = [Refused("not in command", station)]
-        else:
-            effects = self._steer(command, station, now)
-        return self._with_alert(effects, now)
+        about_command = TRANSFER.get(command.verb)
+        if about_command is not None:
+            return self._with_alert(self.transfer.receive(about_command, station, now, command.requester), now)
+        if station != self.transfer.commander:
+            return [Refused("not in command", station)]
+        return self._steer(command, station, now)
 
     def _steer(self, command: parp.Command, station: int, now: float) -> list[Event]:
         if self.mute and command.verb is not parp.Verb.DISENGAGE:

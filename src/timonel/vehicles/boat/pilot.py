@@ -233,11 +233,12 @@ class Pilot:
 
     def set_heading(self, setpoint: int, station: int, now: float) -> list[Event]:
         """Hold `setpoint`, tenths of a degree."""
-        if self.mode is not HEADING_HOLD:
+        if self._mode is not HEADING_HOLD or self._alarm:
             return [Refused("not in heading hold", station)]
-        if self.objection is not None and (reason := self.objection(setpoint % TURN, now)) is not None:
+        setpoint %= TURN
+        if self.objection is not None and (reason := self.objection(setpoint, now)) is not None:
             return [Refused(reason, station)]
-        return self._steer(HEADING_HOLD, setpoint % TURN, now)
+        return self._steer(HEADING_HOLD, setpoint, now)
 
     def turn(self, change: int, station: int, now: float) -> list[Event]:
         """Move the set point by `change` tenths of a degree, starboard positive."""

@@ -18,7 +18,7 @@ import msgspec
 
 from timonel.core.alerts import Alert, AlertChanged
 from timonel.core.command import Denied, OnTimeout, Overridden, Requested, Transferred
-from timonel.core.effects import Effect, Event, Refused, Rejected, Say, SecurityEvent, Transmit
+from timonel.core.effects import Effect, Event, Refused, Rejected, Say, SecurityEvent
 from timonel.core.frame import Frame
 from timonel.core.message import Message
 from timonel.core.pace import Allowance
@@ -104,6 +104,8 @@ class Wire:
 
     def __init__(self, port: Port, settings: BoatSettings) -> None:
         self.port = port
+        self.station = port.station
+        self.commands = port.station is not None or not port.instrument
         self.framer = SentenceFramer()
         self.allowance = Allowance(settings.commands_per_second)
         self.flooded = False
@@ -341,7 +343,8 @@ class Boat:
         wire = self._wires[port]
         for sentence in wire.framer.receive(data):
             if sentence.startswith(b"$PARP,"):
-                effects += self._receive_command(wire, sentence, now)
+                said = self._receive_command(wire, sentence, now)
+                effects = effects + said if effects else said
             elif wire.port.hears is not None and not wire.port.hears.accepts(sentence):
                 self.counters["sentences that this port's owner does not want"] += 1
             elif wire.port.instrument and sentence[3:6] in AIS_FORMATTERS:
@@ -376,15 +379,16 @@ class Boat:
         return bool(known) and not any(known)
 
     def _receive_command(self, wire: Wire, sentence: bytes, now: float) -> list[Effect]:
-        if wire.port.instrument and wire.port.station is None:
+        """Runs between a station's key and the rudder."""
+        if not wire.commands:
             self.counters["commands of instruments"] += 1
             return [SecurityEvent("an instrument commands", wire.port.name)]
         command = parp.read_command(sentence)
-        if not isinstance(command, parp.Command):
+        if isinstance(command, Fault):
             return self._reject(command, sentence, wire)
         if not self._allowed(wire, now):
             return self._flood(wire, sentence)
-        station = command.station if wire.port.station is None else wire.port.station
+        station = command.station if wire.station is None else wire.station
         if station is None:  # the short form does not say who speaks, so the wire must
             return self._reject(Fault.MALFORMED, sentence, wire)
         if command.station is not None and command.station != station:
@@ -564,7 +568,8 @@ class Boat:
         return effects
 
     def _overdue(self, now: float) -> list[Effect]:
-        return self.expire(now) if now >= self.deadline else []
+        due = self.deadline if self._due is None else self._due
+        return self.expire(now) if now >= due else []
 
     # To the outside -------------------------------------------------------------------------------
 
@@ -574,9 +579,11 @@ class Boat:
         for event in events:
             effects.append(event)
             kind = type(event)
-            if (carry_out := CARRY_OUT.get(kind)) is not None:
+            carry_out = CARRY_OUT.get(kind)
+            if carry_out is not None:
                 effects += carry_out(self, event, now)
-            status = status or kind in SHOWN
+            if not status and kind in SHOWN:
+                status = True
         if status:
             effects.append(self._status(now))
         if effects:
@@ -584,13 +591,14 @@ class Boat:
         return effects
 
     def _steer(self, steer: Steer, now: float) -> list[Effect]:
-        if not self.node.operating and self._driver.on_bus:
+        driver = self._driver
+        if not self.node.operating and driver.on_bus:
             self._waiting = (steer, now)
             return []
         pilot = self.helm.pilot
-        answers = self._driver.steer(steer.setpoint, pilot.heading(now), now, pilot.manner)
-        if self._driver.messages_only:
-            return self._transmit(answers)  # type: ignore[arg-type]
+        answers = driver.steer(steer.setpoint, pilot.heading(now), now, pilot.manner)
+        if driver.messages_only and driver.on_bus:
+            return self._send(answers)  # type: ignore[arg-type]
         return self._do(answers, now)
 
     def _do(self, answers: Sequence[Answer], now: float) -> list[Effect]:
@@ -616,9 +624,15 @@ class Boat:
         if not self.node.operating:
             self.counters["messages without an address"] += len(messages)
             return []
+        return self._send(messages)
+
+    def _send(self, messages: Sequence[Outgoing]) -> list[Effect]:
+        """`_transmit` where we have an address."""
+        effects: list[Effect] = []
         for message in messages:
             self.node.sent(message)
-        return [Transmit(frame) for message in messages for frame in self._sender.frames(message)]
+            effects += self._sender.transmit(message)
+        return effects
 
     def _transferred(self, event: Transferred, now: float) -> list[Effect]:
         transfer = Say(parp.cmdtransfer(event.previous, event.commander), "CMDTRANSFER", urgent=True)
