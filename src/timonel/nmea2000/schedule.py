@@ -8,6 +8,9 @@ from functools import lru_cache
 
 DEFAULT_PRIORITY = 6
 
+FAST_RANGES = ((0x1ED00, 0x1EFFF), (0x1FF00, 0x1FFFF))
+"""Where all PGNs are fast packets, first and last."""
+
 # Of 126976..130815, where single frames and fast packets are mixed; source: canboat, `Type`.
 FAST = frozenset(
     pgn
@@ -48,7 +51,7 @@ SCHEDULE: dict[int, tuple[int, float | None]] = {
 @lru_cache(maxsize=4096)
 def is_fast(pgn: int) -> bool:
     """Whether a PGN travels as fast packet. ISO transport (65240) is not one."""
-    return 0x1ED00 <= pgn <= 0x1EFFF or 0x1FF00 <= pgn <= 0x1FFFF or pgn in FAST
+    return pgn in FAST or any(first <= pgn <= last for first, last in FAST_RANGES)
 
 
 def priority(pgn: int) -> int:

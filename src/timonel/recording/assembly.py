@@ -20,7 +20,7 @@ import numpy.typing as npt
 from timonel import native
 from timonel.nmea2000.fastpacket import FastPacketCounters
 from timonel.nmea2000.identifier import GLOBAL
-from timonel.nmea2000.schedule import is_fast
+from timonel.nmea2000.schedule import FAST, FAST_RANGES
 from timonel.recording.fast_packets import FastPackets
 from timonel.recording.frames import EXTENDED, NO_STAMP, SIXTEEN, WHOLE, Bytes, Frames, Identifiers, Rows, Stamps
 from timonel.recording.part import STANDARD, Lengths, Part, Payloads, by_key, merged, stretches
@@ -85,7 +85,7 @@ class Assembly:
     ) -> None:
         self.frames = 0
         everything = pgns is None and standard is None
-        self._kinds = _all() if everything else _kinds(frozenset(pgns or ()), frozenset(standard or ()))
+        self._kinds = _all() if everything else _kinds(_sorted(pgns), _sorted(standard))
         self._fast_packets = FastPackets(max_slots)
         self._now = 0
 
@@ -189,23 +189,30 @@ class _Kinds(msgspec.Struct, frozen=True):
 @cache
 def _all() -> _Kinds:
     """All PGNs and standard identifiers there can be."""
-    pages = range(0, STANDARD, 0x100)
-    pgns = [page + extension for page in pages for extension in range(0x100 if page & 0xFF00 >= _PDU1 else 1)]
-    return _kinds(frozenset(pgns), frozenset(range(0x800)))
+    pgns = np.arange(STANDARD)
+    return _kinds(pgns[(pgns & 0xFF00 >= _PDU1) | (pgns & 0xFF == 0)], np.arange(0x800))
 
 
-def _kinds(pgns: frozenset[int], standard: frozenset[int]) -> _Kinds:
-    singles = sorted(pgn for pgn in pgns if not is_fast(pgn)) + sorted(STANDARD + number for number in standard)
-    channels = [-1, *singles, *sorted(filter(is_fast, pgns))]
+def _kinds(pgns: Ints, standard: Ints) -> _Kinds:
+    fast = _fast(pgns)
+    channels = np.concatenate(([-1], pgns[~fast], STANDARD + standard, pgns[fast]))
     codes = np.zeros(STANDARD + 0x800, np.uint16)
-    for code, channel in enumerate(channels[1:], 1):
-        codes[channel : channel + _width(channel)] = code
-    return _Kinds(codes, channels, 1 + len(singles))
+    codes[channels[1:]] = np.arange(1, len(channels))
+    addressed = pgns[pgns & 0xFF00 < _PDU1]  # with any destination they are one channel
+    codes[addressed[:, None] + np.arange(0x100)] = codes[addressed, None]
+    return _Kinds(codes, channels.tolist(), len(channels) - int(fast.sum()))
 
 
-def _width(channel: int) -> int:
-    """Of a PGN with a destination, all of them are one channel."""
-    return 0x100 if channel < STANDARD and channel & 0xFF00 < _PDU1 else 1
+def _fast(pgns: Ints) -> npt.NDArray[np.bool_]:
+    """`is_fast` of many."""
+    fast = np.isin(pgns, list(FAST))
+    for first, last in FAST_RANGES:
+        fast |= (pgns >= first) & (pgns <= last)
+    return fast
+
+
+def _sorted(numbers: Collection[int] | None) -> Ints:
+    return np.array(sorted(set(numbers or ())), np.intp)
 
 
 def _places(head: Words) -> Ints:
