@@ -223,9 +223,10 @@ static inline void put_frame(const u8 *rows, i64 row, i64 time, Slot *slot, u16 
     i32 frame = (i32)found->frames++;
     found->row[frame] = row;
     if (!slot->run || !index) {
-        slot->first = !slot->run;
-        if (slot->run)
+        bool first = !slot->run;
+        if (!first)
             close_run(slot, found);
+        slot->first = first;
         i64 run = found->runs++;
         slot->calm = !slot->first && minus(time, slot->before) > max_gap;
         slot->run = (i32)run + 1;

@@ -58,5 +58,11 @@ PyObject *frame_codes(PyObject *module, PyObject *arguments);
 PyObject *single_frames(PyObject *module, PyObject *arguments);
 PyObject *fast_packets(PyObject *module, PyObject *arguments);
 PyObject *cut_payloads(PyObject *module, PyObject *arguments);
+PyObject *json_lines(PyObject *module, PyObject *arguments);
+PyObject *gather(PyObject *module, PyObject *arguments);
+PyObject *item_places(PyObject *module, PyObject *arguments);
+PyObject *sentence_lines(PyObject *module, PyObject *arguments);
+PyObject *sentence_codes(PyObject *module, PyObject *arguments);
+PyObject *sentence_columns(PyObject *module, PyObject *arguments);
 
 #endif

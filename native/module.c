@@ -35,6 +35,12 @@ static PyMethodDef methods[] = {
     {"single_frames", single_frames, METH_VARARGS, NULL},
     {"fast_packets", fast_packets, METH_VARARGS, NULL},
     {"cut_payloads", cut_payloads, METH_VARARGS, NULL},
+    {"json_lines", json_lines, METH_VARARGS, NULL},
+    {"gather", gather, METH_VARARGS, NULL},
+    {"item_places", item_places, METH_VARARGS, NULL},
+    {"sentence_lines", sentence_lines, METH_VARARGS, NULL},
+    {"sentence_codes", sentence_codes, METH_VARARGS, NULL},
+    {"sentence_columns", sentence_columns, METH_VARARGS, NULL},
     {NULL, NULL, 0, NULL},
 };
 

@@ -58,3 +58,43 @@ def fast_packets(
 
 def cut_payloads(payloads: Array, offset: Array, size: Array, cells: Array, width: int, /) -> None:
     """`size` bytes from each offset, and zeros, to rows of `width` bytes."""
+
+def gather(flat: Array, places: Array, cells: Array, size: int, /) -> None:
+    """`size` bytes from each place, side by side."""
+
+def item_places(
+    flat: Array, steps: Array, values: Array, at: Array, end: Array, count: Array, least: int, found: Array,
+    places: Array, /,
+) -> int:  # fmt: skip
+    """Where the items of each payload stand, and how many there are, which is returned for all; `at` becomes where they
+    end."""
+
+def sentence_lines(text: Array, begin: Array, end: Array, behind: Array, plain: Array, /) -> None:
+    """Where lines begin, where their characters end, where the next ones begin, and which are plain sentences."""
+
+def sentence_codes(text: Array, begin: Array, which: Array, by_hash: Array, letters: Array, codes: Array, /) -> None:
+    """The number of each line's formatter, where `by_hash` tells the number of its letters; 0 for all others."""
+
+def sentence_columns(
+    text: Array, begin: Array, end: Array, which: Array, wires: int, fields: tuple[tuple[Any, ...], ...], odd: Array, /
+) -> None:  # fmt: skip
+    """The columns of the sentences in these lines, and which sentences are not as usual; `fields` are tuples (how, wire,
+    low, high, letters, values, valid)."""
+
+def json_lines(
+    texts: Array,
+    slots: Array,
+    steps: Array,
+    owners: Array,
+    made: Array,
+    sizes: Array,
+    tables: Array,
+    page: Array,
+    state: Array,
+    columns: list[Array],
+    day: int,
+    timed: bool,
+    /,
+) -> tuple[int, int, int]:
+    """The lines of frames from `state` on: of table n by its steps where the owner is n + 1, the next ones of `made`
+    where it is -1. Why it stopped, and at which step and code."""

@@ -35,6 +35,7 @@ def faulty(frames, fault):
     return frames
 
 
+@pytest.mark.usefixtures("each_way")
 @pytest.mark.parametrize("name", recordings())
 def test_frames_read_at_once_are_those_read_one_by_one(name):
     log, reader = open_log(recording(name)), open_frames(recording(name))
@@ -45,6 +46,7 @@ def test_frames_read_at_once_are_those_read_one_by_one(name):
     assert (reader.log.unreadable, reader.log.frames) == (log.unreadable, log.frames)
 
 
+@pytest.mark.usefixtures("each_way")
 @pytest.mark.parametrize("fault", ["none", "lossy", "shuffled", "doubled"])
 @pytest.mark.parametrize("name", recordings())
 def test_messages_and_counters_are_those_of_the_live_path(name, fault):

@@ -23,6 +23,7 @@ def payload_of(definition, random):
     return bits.to_bytes(max(size, end, 1), "little")[:size]
 
 
+@pytest.mark.usefixtures("each_way")
 @pytest.mark.parametrize("seed", [1, 2])
 def test_one_by_one_and_all_at_once_are_the_same_for_every_definition(seed):
     random = Random(seed)

@@ -11,7 +11,7 @@ Fixed fields are strided views, scaled; nothing is done row by row but for text,
 126208. The values are those of `Definition.decode_codes`, bit for bit.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, cached_property, partial, reduce
 from itertools import pairwise
 from typing import Any
@@ -20,6 +20,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from timonel import native
 from timonel.core.fields import Number
 from timonel.nmea2000 import catalogue_codec as scalar
 from timonel.nmea2000.catalogue import Definition, Field, Group, candidates, find, keys, pairs
@@ -131,7 +132,7 @@ def columns(definition: Definition, payloads: Payloads, lengths: Rows, labels: b
     PGN 126208's parameters and values with keys: words, or numbers.
     """
     table = _Table(definition, _Store(payloads, lengths), scalar.Flavour(labels, False))
-    table.read(plan(definition).parts)
+    table.read(plan(definition).parts, ends_matter=False)
     order = [field.id for field in definition.fields if field.id in table.fields]
     return Columns(definition, {name: table.fields[name] for name in order}, tuple(table.groups))
 
@@ -156,6 +157,10 @@ class _Store:
         """uint8[m, size] from some places in `flat` on; what stands behind a payload's end is not its own."""
         if not size or not len(places):
             return np.zeros((len(places), size), np.uint8)
+        if native.kernels is not None:
+            cells = np.empty((len(places), size), np.uint8)
+            native.kernels.gather(self.flat, np.ascontiguousarray(places), cells, size)
+            return cells
         found: Payloads = _everywhere(self.flat, f"V{size}")[places].view(np.uint8).reshape(-1, size)
         return found
 
@@ -198,13 +203,14 @@ class _Table:
         places: Rows = self.begin + np.minimum(ats, self.lengths)
         return places
 
-    def read(self, parts: Iterable[Any]) -> None:
-        for part in parts:
+    def read(self, parts: Sequence[Any], ends_matter: bool = True) -> None:
+        """Read these parts; `at` is where they end, if that matters."""
+        for number, part in enumerate(parts, 1):
             match part:
                 case Run():
                     self._run(part)
                 case Tail():
-                    self._tail(part.field)
+                    self._tail(part.field, ends_matter or number < len(parts))
                 case Repeated():
                     self._repeated(part)
 
@@ -228,13 +234,16 @@ class _Table:
             block = self.store.windows(self.places(self.at), size)
         return block, None if len(have) and have.min() >= size else np.maximum(have, 0)
 
-    def _tail(self, field: Field) -> None:
+    def _tail(self, field: Field, ends_matter: bool) -> None:
         ats = np.broadcast_to(np.asarray(self.at, np.intp), len(self))
         key, length = scalar.announced_by(self.definition, field)
         if field.kind == "DYNAMIC_FIELD_VALUE" and not field.length:
-            self._keyed(field, key, length, ats)
+            self._keyed(field, key, length, ats, ends_matter)
             return
         read = scalar.tail_reader(self.definition, field, self.flavour)
+        if not field.length and field.kind in _BEHIND:
+            self._texts(field, read, ats)
+            return
         context: list[list[Any]] = []
         if field.length:
             context = [listed(self.fields[field.length])]
@@ -243,7 +252,15 @@ class _Table:
         self.fields[field.id] = Column(field, objects([value for value, _ in made]))
         self.at = np.fromiter((end for _, end in made), np.intp, len(made))
 
-    def _keyed(self, field: Field, key: Field | None, length: Field | None, ats: Rows) -> None:
+    def _texts(self, field: Field, read: Callable[[bytes, int], tuple[Any, int]], ats: Rows) -> None:
+        """Texts that say their length: each of those that there are is read once."""
+        ends = _BEHIND[field.kind](self.store.flat, self.begin + ats, self.begin + self.lengths) - self.begin
+        found = self.store.pieces(self.places(ats), np.maximum(np.minimum(ends, self.lengths) - ats, 0))
+        known = {raw: read(raw, 0)[0] for raw in set(found)}
+        self.fields[field.id] = Column(field, objects([known[raw] for raw in found]))
+        self.at = ends
+
+    def _keyed(self, field: Field, key: Field | None, length: Field | None, ats: Rows, ends_matter: bool) -> None:
         """Values whose kind their key tells: those of one kind at a time."""
         keyed = scalar.Keyed(key, length, self.flavour)
         told = self.fields[key.id] if key else None, self.fields[length.id] if length else None
@@ -259,8 +276,9 @@ class _Table:
             column = self._of_kind(places[some], sizes[-1], have, keyed, code, size)
             parts.append((order[some], column))
         self.fields[field.id] = Mixed(field, len(self), tuple(parts))
-        self.at = ats.copy()
-        self.at[order] += np.concatenate(sizes)
+        if ends_matter:
+            self.at = ats.copy()
+            self.at[order] += np.concatenate(sizes)
 
     def _of_kind(
         self, places: Rows, sizes: Rows, have: int | None, keyed: scalar.Keyed, code: int | None, length: int | None
@@ -314,24 +332,42 @@ class _Table:
         if walk is None:
             self._item_after_item(part, ats, counts)
             return
-        steps, self.at = self._steps(walk, part.least, ats, counts)
-        if not steps:
+        find_all = self._stepped if native.kernels is None or walk.steps is None else self._compiled
+        found, places = find_all(walk, part.least, ats, counts)
+        if not len(places):
             self.groups.append(_joined(self.definition, part.group, []))
             return
-        found = np.bincount(np.concatenate([rows for rows, _ in steps]), minlength=len(self))
         rows = np.repeat(np.arange(len(self)), found)
-        places = np.empty(len(rows), np.intp)
-        firsts = np.cumsum(found) - found
-        for number, (some, at) in enumerate(steps):
-            places[firsts.take(some) + number] = at
         table = _Table(self.definition, self.store, self.flavour, self.rows[rows])
         table.at = places - table.begin
-        table.read(part.parts)
+        table.read(part.parts, ends_matter=False)
         fields = self.definition.fields[part.group.first : part.group.end]
         kept = {field.id: table.fields[field.id] for field in fields if not field.silent}
         self.groups.append(Items(part.group, rows, kept))
 
-    def _steps(self, walk: "Walk", least: int, ats: Rows, counts: Rows) -> tuple[list[tuple[Rows, Rows]], Rows]:
+    def _compiled(self, walk: "Walk", least: int, ats: Rows, counts: Rows) -> tuple[Rows, Rows]:
+        """How many items each row has, and where all of them stand; `self.at` becomes where they end."""
+        at, end = self.begin + ats, self.begin + self.lengths
+        found, room = np.empty(len(self), np.intp), np.maximum(0, (self.lengths - ats) // least + 1)
+        places = np.empty(int(np.minimum(room, counts).clip(0).sum()), np.intp)
+        flat, values = self.store.flat, walk.values if walk.values is not None else _NO_VALUES
+        count = native.kernels.item_places(flat, walk.steps, values, at, end, counts, least, found, places)
+        self.at = at - self.begin
+        return found, places[:count]
+
+    def _stepped(self, walk: "Walk", least: int, ats: Rows, counts: Rows) -> tuple[Rows, Rows]:
+        """The same by steps: the first items of all rows, the second ones, and so on."""
+        steps, self.at = self._steps(walk.behind, least, ats, counts)
+        if not steps:
+            return np.zeros(len(self), np.intp), np.empty(0, np.intp)
+        found = np.bincount(np.concatenate([rows for rows, _ in steps]), minlength=len(self))
+        places = np.empty(int(found.sum()), np.intp)
+        firsts = np.cumsum(found) - found
+        for number, (some, at) in enumerate(steps):
+            places[firsts.take(some) + number] = at
+        return found, places
+
+    def _steps(self, walk: "Behind", least: int, ats: Rows, counts: Rows) -> tuple[list[tuple[Rows, Rows]], Rows]:
         """Where the first items of all rows stand, the second of those that have one, and so on; where all end."""
         ends, steps = ats.copy(), []
         rows = np.flatnonzero((counts > 0) & (ats + least <= self.lengths))
@@ -392,33 +428,58 @@ class _Table:
         self.at = np.array([end for _, end in made], np.intp)
 
 
-Walk = Callable[[Payloads, Rows, Rows], Rows]
+Behind = Callable[[Payloads, Rows, Rows], Rows]
 """(bytes of all payloads, where items begin in them, where their payloads end) -> where the items end."""
+
+_RUN, _LAU, _LZ, _VALUE = range(4)  # as in native/items.c
+_NO_VALUES = np.zeros(1 << 16, np.intp)
+
+
+class Walk(msgspec.Struct, frozen=True, eq=False):
+    """How to find the end of an item without reading it.
+
+    For the kernel, `steps` is int64[n, 2], what stands in an item and its size, None if that is not enough to say; and
+    `values` the sizes of values, by the two bytes that announce them.
+    """
+
+    behind: Behind
+    steps: npt.NDArray[np.int64] | None
+    values: Rows | None
 
 
 @cache
 def _walk(definition: Definition, part: Repeated) -> Walk | None:
     """How to find the end of an item without reading it; None if that takes more than the item."""
-    steps: list[Walk] = []
+    steps: list[Behind] = []
+    coded: list[tuple[int, int]] = []
+    sizes: list[_ValueSizes] = []
     run = None
     for one in part.parts:
         match one:
             case Run(conditional=False):
                 run = one
                 steps.append(partial(_behind_run, one.size))
-            case Tail(field=Field(kind="STRING_LAU", length="")):
-                steps.append(_behind_lau)
-            case Tail(field=Field(kind="STRING_LZ", length="")):
-                steps.append(_behind_lz)
+                coded.append((_RUN, one.size))
+            case Tail(field=Field(kind="STRING_LAU" | "STRING_LZ" as kind, length="")):
+                steps.append(_BEHIND[kind])
+                coded.append((_LAU if kind == "STRING_LAU" else _LZ, 0))
             case Tail(field=Field(kind="DYNAMIC_FIELD_VALUE", length="") as field) if run is not None:
                 key, length = scalar.announced_by(definition, field)
                 inside = {place.field.id for place in run.values}
                 if any(one.id not in inside for one in (key, length) if one):
                     return None
-                steps.append(partial(_behind_value, _ValueSizes(run, key, length)))
+                sizes.append(_ValueSizes(run, key, length))
+                steps.append(partial(_behind_value, sizes[-1]))
+                coded.append((_VALUE, run.size))
             case _:
                 return None
-    return lambda flat, at, end: reduce(lambda behind, step: step(flat, behind, end), steps, at)
+    by_two = [one.of_two for one in sizes if one.run.size == 2]
+    plain = len(by_two) == len(sizes) <= 1
+    return Walk(
+        lambda flat, at, end: reduce(lambda behind, step: step(flat, behind, end), steps, at),
+        np.array(coded, np.int64) if plain else None,
+        by_two[0] if by_two else None,
+    )
 
 
 class _ValueSizes:
@@ -434,7 +495,7 @@ class _ValueSizes:
             self._told[code] = keyed.size(code, None) or 0
 
     @cached_property
-    def _of_two(self) -> Rows:
+    def of_two(self) -> Rows:
         """Of all there can be of two bytes."""
         return self._sizes(np.arange(1 << 16, dtype="<u2").view(np.uint8).reshape(-1, 2))
 
@@ -442,7 +503,7 @@ class _ValueSizes:
         """intp[m], at least that of a payload where all that is left is the value."""
         size = self.run.size
         if size == 2:
-            return self._of_two.take(_everywhere(flat, "<u2")[places])
+            return self.of_two.take(_everywhere(flat, "<u2")[places])
         return self._sizes(_everywhere(flat, f"V{size}")[places].view(np.uint8).reshape(-1, size))
 
     def _sizes(self, heads: Payloads) -> Rows:
@@ -467,6 +528,9 @@ def _behind_lau(flat: Payloads, at: Rows, end: Rows) -> Rows:
 def _behind_lz(flat: Payloads, at: Rows, end: Rows) -> Rows:
     behind = at + flat.take(np.minimum(at, end)) + 2
     return np.where(end <= at, at, behind)
+
+
+_BEHIND: dict[str, Behind] = {"STRING_LAU": _behind_lau, "STRING_LZ": _behind_lz}
 
 
 def _behind_value(sizes: "_ValueSizes", flat: Payloads, at: Rows, end: Rows) -> Rows:

@@ -57,6 +57,7 @@ def run_columns(run: Run, block: Payloads, have: Rows | None) -> dict[str, Colum
     return {name: read(block, have) for name, read in readers(run)}
 
 
+@cache
 def reader(place: Place) -> Reader:
     """How one field is read, in its place of a run."""
     field = place.field

@@ -142,10 +142,11 @@ class Assembly:
         begin = np.where(counts > 0, ends - counts, -1)
         native.kernels.single_frames(frames.rows, frames.stamp, codes, begin, row, stamp, identifier, length, data)
         row += self.frames
-        groups, columns = [], (row, stamp, identifier, data, length)
+        groups = []
         for code in np.flatnonzero(counts).tolist():
+            pgn, frame = _named(self._kinds.channels[code])
             some = slice(int(ends[code] - counts[code]), int(ends[code]))
-            groups.append(Group(*_named(self._kinds.channels[code]), *(column[some] for column in columns)))
+            groups.append(Group(pgn, frame, row[some], stamp[some], identifier[some], data[some], length[some]))
         return groups
 
     def _times(self, stamp: Stamps) -> Stamps:
@@ -162,8 +163,8 @@ class Assembly:
 
     def _group(self, part: Part, stamp: Stamps) -> Group:
         row = part.row + self.frames
-        columns = (row, stamp.take(part.row), part.identifier, part.payloads, part.lengths)
-        return Group(*_named(part.channel), *columns)
+        pgn, frame = _named(part.channel)
+        return Group(pgn, frame, row, stamp.take(part.row), part.identifier, part.payloads, part.lengths)
 
 
 def _named(channel: int) -> tuple[int | None, int | None]:

@@ -120,7 +120,7 @@ class FastPackets:
         plain, dirty = ~found.dirty & (found.count > 1), found.dirty
         if self._crowded(found.slot, found.slot[dirty], found.begin[plain], found.last[plain]):
             return self._one_by_one(_arrivals(rows, now, found.row))
-        self.counters.completed += len(dirty) - np.count_nonzero(dirty)
+        self.counters.completed += len(dirty) - int(np.count_nonzero(dirty))
         return self._one_by_one(_arrivals(rows, now, found.others)) + found.parts(rows)
 
     def _streams_of(self, identifier: Identifiers) -> npt.NDArray[np.uint16] | None:

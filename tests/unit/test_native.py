@@ -1,0 +1,60 @@
+"""The compiled kernels: what they refuse, so that no caller's mistake writes where it must not."""
+
+import numpy as np
+import pytest
+
+from timonel import native
+from timonel.recording.frames import FRAME, Frames, empty
+
+FRAMES = 4
+LINE = b"(1669809600.001488) can0 0DF11917#00FF7F1F02A3FFFF\n"
+
+
+def numbers(count):
+    return np.zeros(count, np.int64)
+
+
+SMALL = [numbers(1)] * 11
+
+
+def test_they_are_compiled():
+    assert native.kernels is not None, "not compiled: python3 hatch_build.py says why"
+
+
+def test_lines_end_where_there_is_no_more_room():
+    room = empty(2)
+    text = LINE * FRAMES + bytes(64)
+    assert native.kernels.candump_lines(text, 0, len(LINE) * FRAMES, room.rows, room.stamp, 0) == (2, 2 * len(LINE))
+
+
+def test_nothing_is_read_within_64_bytes_of_the_end_of_the_text():
+    room = empty(2)
+    assert native.kernels.candump_lines(LINE, 0, len(LINE), room.rows, room.stamp, 0) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("candump_lines", lambda room: (LINE, 0, len(LINE) + 1, room.rows, room.stamp, 0)),
+        ("candump_lines", lambda room: (LINE, -1, len(LINE), room.rows, room.stamp, 0)),
+        ("candump_lines", lambda room: (LINE, 0, len(LINE), room.rows, numbers(1), 0)),
+        ("frame_codes", lambda room: (room.rows, numbers(1), numbers(1), numbers(1))),
+        ("single_frames", lambda room: (room.rows, *(numbers(1) for _ in range(8)))),
+        ("fast_packets", lambda room: (room.rows, room.stamp, *SMALL[:1], 0, *SMALL[:2], 0, *SMALL, 1, 1, 1)),
+        ("cut_payloads", lambda room: (bytes(8), numbers(1), numbers(1) + 9, bytearray(8), 8)),
+        ("cut_payloads", lambda room: (bytes(8), numbers(1) - 1, numbers(1) + 1, bytearray(8), 8)),
+        ("gather", lambda room: (bytes(8), numbers(1) + 7, bytearray(8), 2)),
+        ("gather", lambda room: (bytes(8), numbers(2), bytearray(2), 2)),
+        ("item_places", lambda room: (bytes(8), numbers(2), numbers(1), *(numbers(1),) * 3, 1, numbers(1), numbers(1))),
+    ],
+)  # fmt: skip
+def test_arrays_that_are_too_small_and_places_outside_of_them_are_refused(name, arguments):
+    room = Frames(np.zeros(FRAMES, FRAME), numbers(FRAMES))
+    with pytest.raises(ValueError):
+        getattr(native.kernels, name)(*arguments(room))
+
+
+def test_items_stop_where_the_room_for_their_places_ends():
+    steps, values, eight = np.array([[0, 1]], np.int64), numbers(1 << 16), numbers(1) + 8
+    with pytest.raises(ValueError, match="too few"):
+        native.kernels.item_places(bytes(8), steps, values, numbers(1), eight, eight, 1, numbers(1), numbers(2))
