@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from hatch_build import compiled
 from timonel import native
 from timonel.recording.frames import FRAME, Frames, empty
 
@@ -19,6 +20,10 @@ SMALL = [numbers(1)] * 11
 
 def test_they_are_compiled():
     assert native.kernels is not None, "not compiled: python3 hatch_build.py says why"
+
+
+def test_they_compile_without_a_warning(tmp_path):
+    assert compiled(tmp_path / "kernels.so", "-Wall", "-Wextra", "-Werror") is None
 
 
 def test_lines_end_where_there_is_no_more_room():

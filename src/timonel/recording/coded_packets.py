@@ -54,10 +54,9 @@ class CodedPackets:
         known, runs, count = native.kernels.fast_packets(
             rows, now, codes, first, slots, streams, known, waiting, *room, *messages, *limits
         )
-        self.begin, self.last, self.count, self.slot = (
-            column[:runs] for column in (self.begin, self.last, self.count, self.slot)
-        )
-        self.dirty, self._message, self._offset = self.dirty[:runs], self._message[:count], self._offset[:count]
+        self.begin, self.last, self.count = self.begin[:runs], self.last[:runs], self.count[:runs]
+        self.slot, self.dirty = self.slot[:runs], self.dirty[:runs]
+        self._message, self._offset = self._message[:count], self._offset[:count]
         return known
 
     @property

@@ -141,7 +141,8 @@ class FastPackets:
     def _waiting(self) -> npt.NDArray[np.int64]:
         """The slots that are in use."""
         slots = np.array(self._reassembler.slots, np.int64)
-        return self._streams[(slots >> 3) - (FIRST_FAST << 8)].astype(np.int64) << 3 | slots & 7
+        streams = self._streams[(slots >> 3) - (FIRST_FAST << 8)].astype(np.int64)
+        return np.bitwise_or(streams << 3, slots & 7)
 
     def _dirty(self, runs: "_Runs") -> Flags:
         """The runs that are not plain."""
