@@ -142,7 +142,8 @@ class FastPackets:
         """The slots that are in use."""
         slots = np.array(self._reassembler.slots, np.int64)
         streams = self._streams[(slots >> 3) - (FIRST_FAST << 8)].astype(np.int64)
-        return np.bitwise_or(streams << 3, slots & 7)
+        keys: npt.NDArray[np.int64] = streams << 3 | slots & 7
+        return keys
 
     def _dirty(self, runs: "_Runs") -> Flags:
         """The runs that are not plain."""
