@@ -54,6 +54,7 @@ static inline u32 eight_digits(u64 digits)
 static inline u64 no_digits(u64 digits) { return (digits | (digits + REPEATED(6))) & REPEATED(0xF0); }
 
 PyObject *candump_lines(PyObject *module, PyObject *arguments);
+PyObject *captured_frames(PyObject *module, PyObject *arguments);
 PyObject *frame_codes(PyObject *module, PyObject *arguments);
 PyObject *single_frames(PyObject *module, PyObject *arguments);
 PyObject *fast_packets(PyObject *module, PyObject *arguments);
@@ -63,6 +64,7 @@ PyObject *gather(PyObject *module, PyObject *arguments);
 PyObject *item_places(PyObject *module, PyObject *arguments);
 PyObject *sentence_lines(PyObject *module, PyObject *arguments);
 PyObject *sentence_codes(PyObject *module, PyObject *arguments);
+PyObject *sentence_groups(PyObject *module, PyObject *arguments);
 PyObject *sentence_columns(PyObject *module, PyObject *arguments);
 
 #endif

@@ -31,6 +31,7 @@ int enough(const Py_buffer *view, i64 items, i64 size, const char *name)
 
 static PyMethodDef methods[] = {
     {"candump_lines", candump_lines, METH_VARARGS, NULL},
+    {"captured_frames", captured_frames, METH_VARARGS, NULL},
     {"frame_codes", frame_codes, METH_VARARGS, NULL},
     {"single_frames", single_frames, METH_VARARGS, NULL},
     {"fast_packets", fast_packets, METH_VARARGS, NULL},
@@ -40,6 +41,7 @@ static PyMethodDef methods[] = {
     {"item_places", item_places, METH_VARARGS, NULL},
     {"sentence_lines", sentence_lines, METH_VARARGS, NULL},
     {"sentence_codes", sentence_codes, METH_VARARGS, NULL},
+    {"sentence_groups", sentence_groups, METH_VARARGS, NULL},
     {"sentence_columns", sentence_columns, METH_VARARGS, NULL},
     {NULL, NULL, 0, NULL},
 };

@@ -12,6 +12,13 @@ def candump_lines(text: Array, at: int, end: int, rows: Array, stamps: Array, fi
     """Whole lines of `text[at:end]` become rows and stamps from `filled` on, as long as there is room and they are of
     the shape: how many are filled then, and where the next line begins. Behind `end` there are 64 bytes."""
 
+def captured_frames(
+    capture: Array, at: int, count: int, packets: tuple[int, int, int, int, int, bool], rows: Array, stamps: Array, /
+) -> int:
+    """How many packets from `at` on became frames, up to the first of another kind. Of all `packets`: their size, how
+    much is captured of each, where the frame and (or -1) the protocol stand, how many ns a fraction counts, and whether
+    numbers are of the other byte order than the machine's."""
+
 def frame_codes(rows: Array, table: Array, codes: Array, counts: Array, /) -> bool:
     """The code of each row in `table`, and how many rows have each; whether a row is a whole message."""
 
@@ -72,14 +79,21 @@ def item_places(
 def sentence_lines(text: Array, begin: Array, end: Array, behind: Array, plain: Array, /) -> None:
     """Where lines begin, where their characters end, where the next ones begin, and which are plain sentences."""
 
-def sentence_codes(text: Array, begin: Array, which: Array, by_hash: Array, letters: Array, codes: Array, /) -> None:
-    """The number of each line's formatter, where `by_hash` tells the number of its letters; 0 for all others."""
+def sentence_codes(text: Array, begin: Array, by_hash: Array, letters: Array, codes: Array, /) -> None:
+    """The number of each sentence's formatter, where `by_hash` tells the number of its letters; 0 for all others."""
+
+def sentence_groups(
+    codes: Array, ends: Array, begin: Array, end: Array, line: Array, stamp: Array, to_begin: Array, to_end: Array,
+    to_line: Array, to_stamp: Array, /,
+) -> None:  # fmt: skip
+    """Sentences in the order of their codes, those with one code in the order in which they were; and where the ones
+    with each code end."""
 
 def sentence_columns(
-    text: Array, begin: Array, end: Array, which: Array, wires: int, fields: tuple[tuple[Any, ...], ...], odd: Array, /
-) -> None:  # fmt: skip
-    """The columns of the sentences in these lines, and which sentences are not as usual; `fields` are tuples (how, wire,
-    low, high, letters, values, valid)."""
+    text: Array, begin: Array, end: Array, wires: int, fields: tuple[tuple[Any, ...], ...], odd: Array, /
+) -> None:
+    """The columns of these sentences, and which sentences are not as usual; `fields` are tuples (how, wire, low, high,
+    letters, values, valid)."""
 
 def json_lines(
     texts: Array,

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from timonel import native
 from timonel.recording.frames import EXTENDED, Bytes, Frames, Identifiers, empty
 from timonel.recording.lines import LogFrame, Unreadable
 from timonel.recording.pcap import LINKS, Pcap
@@ -46,6 +47,8 @@ class FastPcap(Pcap):
         self._packets = np.dtype(layout)  # type: ignore[call-overload]
         self._has_protocol = protocol is not None
         self._nanoseconds = 1_000_000_000 // int(self._second)
+        stands = (16 + before, -1 if protocol is None else 16 + protocol)
+        self._known = (16 + self._captured, self._captured, *stands, self._nanoseconds, order == ">")
         self._together = _FEW
 
     def receive(self, data: bytes) -> Iterator[Frames | LogFrame | Unreadable]:  # type: ignore[override]
@@ -71,6 +74,11 @@ class FastPcap(Pcap):
     def _run(self, data: bytes, at: int) -> Frames:
         """The frames from `at` up to the first packet of another size or kind."""
         count = min((len(data) - at) // self._packets.itemsize, self._together)
+        if native.kernels is not None:
+            frames = empty(count)
+            found = native.kernels.captured_frames(data, at, count, self._known, frames.rows, frames.stamp)
+            self._together = min(2 * self._together, MANY) if found == count else _FEW
+            return frames[:found]
         packets = np.ndarray(count, self._packets, data, at)
         identifier, length = packets["identifier"].astype(np.uint32), packets["length"].copy()
         plain = (packets["captured"] == self._captured) & (length <= 8) & (identifier & _REMOTE_OR_ERROR == 0)

@@ -121,7 +121,8 @@ def concatenate(parts: Iterable[Frames]) -> Frames:
     parts = list(parts)
     if len(parts) == 1:
         return parts[0]
-    rows = np.concatenate([part.rows for part in parts] or [np.empty(0, FRAME)])
+    # As NumPy's records rows are copied field by field, which takes six times as long.
+    rows = np.concatenate([part.rows.view(SIXTEEN) for part in parts] or [np.empty(0, SIXTEEN)]).view(FRAME)
     at = offset = 0
     for part in parts:
         long = at + np.flatnonzero(part.length > 8)
