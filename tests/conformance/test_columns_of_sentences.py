@@ -7,6 +7,8 @@ from tests.unit.recording.sentences import compared
 from timonel.errors import RecordingError
 from timonel.recording.formats import open_any
 
+pytestmark = pytest.mark.usefixtures("each_way")
+
 
 def logs():
     """Every file of sentences below the recordings' folder, by its path."""

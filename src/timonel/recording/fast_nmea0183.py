@@ -17,16 +17,18 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from timonel import native
 from timonel.errors import RecordingError
 from timonel.nmea0183.registry import SENTENCES
 from timonel.nmea0183.sentence import Sentence
-from timonel.recording.decimals import Places, Text
+from timonel.recording.coded_sentences import coded, grouped
+from timonel.recording.decimals import LONGEST, Flags, Places, Text
 from timonel.recording.formats import Lines, Reader, open_any
-from timonel.recording.frames import NO_STAMP, Stamps, nanoseconds
+from timonel.recording.frames import Stamps, nanoseconds
 from timonel.recording.lines import LogSentence, Record, Unreadable
 from timonel.recording.part import stretches
-from timonel.recording.sentence_columns import Column, Wires, count_of_wires, typed
-from timonel.recording.sentence_lines import LogLines, lines_of, plain
+from timonel.recording.sentence_columns import LISTS, Column, Columns, Wires, count_of_wires, mended, unread, usual
+from timonel.recording.sentence_lines import PADDING, Commas, Sentences, cut, lines_of, padded
 
 PORTION = 1 << 21
 """Bytes at a time: enough that what is done once a table costs less than what is done once a sentence."""
@@ -63,7 +65,7 @@ class SentenceTable(msgspec.Struct, frozen=True, eq=False, gc=False):
     @property
     def sentences(self) -> list[bytes]:
         """Each from `$` or `!` to its check sum."""
-        return _cut(self.text, self.begin, self.end)
+        return cut(self.text, self.begin, self.end)
 
 
 class SentenceReader:
@@ -83,47 +85,40 @@ class SentenceReader:
     def __iter__(self) -> Iterator[SentenceTable]:
         with self.log:
             rest = b""
-            for portion in self._portions():
-                lines, feed, rest = (rest + portion).rpartition(b"\n")
-                yield from self._tables(lines + feed)
+            for parts in self._portions():
+                text = b"".join((PADDING, rest, *parts, PADDING))
+                behind = max(LONGEST, text.rfind(b"\n", 0, -LONGEST) + 1)
+                rest = text[behind:-LONGEST]
+                yield from self._tables(np.frombuffer(text, np.uint8)[: behind + LONGEST])
             if rest:
-                yield from self._tables(b"", [(self._line + 1, one) for one in self._single(self._line, rest, True)])
+                last = [(self._line + 1, one) for one in self._single(self._line, rest, True)]
+                yield from self._tables(padded(b""), last)
             for damage in self.log.damage():
                 self.log.refuse(damage)
 
-    def _portions(self) -> Iterator[bytes]:
+    def _portions(self) -> Iterator[list[bytes]]:
         parts: list[bytes] = []
         size = 0
         for part in self.log.portions():
             parts.append(part)
             size += len(part)
             if size >= self._size:
-                yield b"".join(parts)
+                yield parts
                 parts, size = [], 0
-        yield b"".join(parts)
+        yield parts
 
-    def _tables(self, text: bytes, found: Iterable[tuple[int, LogSentence]] = ()) -> Iterator[SentenceTable]:
+    def _tables(self, text: Text, found: Iterable[tuple[int, LogSentence]] = ()) -> Iterator[SentenceTable]:
         lines = lines_of(text)
-        fine = plain(lines)
         single = list(found)
-        for place in np.flatnonzero(~fine).tolist():
-            line = lines.text[lines.begin[place] : lines.behind[place]].tobytes()
+        for place, line in lines.others():
             before = self._line + place
             single += [(before + 1, one) for one in self._single(before, line, False)]
-        which: Places = np.flatnonzero(fine)
-        number: Numbers = which + (self._line + 1)
-        stamp: Stamps = np.full(len(which), NO_STAMP)
-        self._line += len(fine)
+        sentences = lines.sentences(self._line)
+        self._line += len(lines)
         if single:
-            others = lines_of(b"".join(one.line + b"\n" for _, one in single))
-            which = np.concatenate((which, np.arange(len(single)) + len(fine)))
-            lines = lines.joined(others)
-            number = np.concatenate((number, [place for place, _ in single]))
-            stamp = np.concatenate((stamp, [nanoseconds(one.stamp) for _, one in single]))
-            order = np.argsort(number, kind="stable")
-            which, number, stamp = which[order], number[order], stamp[order]
-        self.log.frames += len(which)
-        yield from self._by_formatter(lines, which, number, stamp)
+            sentences = sentences.joined(_read_singly(single))
+        self.log.frames += len(sentences)
+        yield from self._by_formatter(sentences)
 
     def _single(self, before: int, text: bytes, last: bool) -> Iterator[LogSentence]:
         reader = cast(Lines, self.log.stream)
@@ -135,30 +130,25 @@ class SentenceReader:
             elif isinstance(one, LogSentence):
                 yield one
 
-    def _by_formatter(self, lines: LogLines, which: Places, number: Numbers, stamp: Stamps) -> Iterator[SentenceTable]:
-        codes = self._formatters.codes(lines, which)
-        order = np.argsort(codes, kind="stable")
-        codes = codes[order]
-        for start, end in stretches(codes):
-            rows = order[start:end]
-            table = self._table(int(codes[start]), lines, which[rows], number[rows], stamp[rows])
+    def _by_formatter(self, sentences: Sentences) -> Iterator[SentenceTable]:
+        codes = self._formatters.codes(sentences)
+        groups = _sorted(codes, sentences) if sentences.commas else grouped(codes, sentences)
+        for code, some in groups:
+            table = self._table(self._formatters.names[code], self._formatters.kinds[code], some)
             if len(table.line):
                 yield table
 
-    def _table(self, code: int, lines: LogLines, which: Places, number: Numbers, stamp: Stamps) -> SentenceTable:
-        formatter, kind = self._formatters.names[code], self._formatters.kinds[code]
-        begin, end = lines.begin[which], lines.end[which]
-        if kind is None:
-            return SentenceTable(formatter, None, number, stamp, {}, lines.text, begin, end)
-        columns, malformed = typed(
-            kind, _wires(kind, lines, which), lambda rows: _cut(lines.text, begin[rows], end[rows])
-        )
-        if malformed.any():
-            self.malformed += int(np.count_nonzero(malformed))
-            kept = np.flatnonzero(~malformed)
-            columns = {name: column.some(kept) for name, column in columns.items()}
-            number, stamp, begin, end = number[kept], stamp[kept], begin[kept], end[kept]
-        return SentenceTable(formatter, kind, number, stamp, columns, lines.text, begin, end)
+    def _table(self, formatter: str, kind: type[Sentence] | None, some: Sentences) -> SentenceTable:
+        columns: Columns = {}
+        if kind is not None:
+            columns, odd = _columns(kind, some)
+            columns, malformed = mended(columns, odd, lambda rows: cut(some.text, some.begin[rows], some.end[rows]))
+            if malformed.any():
+                self.malformed += int(np.count_nonzero(malformed))
+                kept = np.flatnonzero(~malformed)
+                columns = {name: column.some(kept) for name, column in columns.items()}
+                some = some[kept]
+        return SentenceTable(formatter, kind, some.line, some.stamp, columns, some.text, some.begin, some.end)
 
 
 def open_sentences(path: str | Path, strict: bool = False, size: int = PORTION) -> SentenceReader:
@@ -171,24 +161,40 @@ def open_sentences(path: str | Path, strict: bool = False, size: int = PORTION) 
     return SentenceReader(log, size)
 
 
-def _wires(kind: type[Sentence], lines: LogLines, which: Places) -> Wires:
+def _read_singly(found: list[tuple[int, LogSentence]]) -> Sentences:
+    """Sentences, with the number of its line each, that stood in lines of other shapes."""
+    sentences = lines_of(padded(b"".join(one.line + b"\n" for _, one in found))).sentences(0)
+    line = np.array([number for number, _ in found])
+    return msgspec.structs.replace(sentences, line=line, stamp=np.array([nanoseconds(one.stamp) for _, one in found]))
+
+
+def _sorted(codes: Codes, sentences: Sentences) -> Iterator[tuple[int, Sentences]]:
+    """Those that have the same code, in their order."""
+    order = np.argsort(codes, kind="stable")
+    codes = codes[order]
+    for start, end in stretches(codes):
+        yield int(codes[start]), sentences[order[start:end]]
+
+
+def _columns(kind: type[Sentence], sentences: Sentences) -> tuple[Columns, Flags]:
+    if kind in LISTS:
+        return unread(kind, len(sentences))
+    return usual(kind, _wires(kind, sentences, sentences.commas)) if sentences.commas else coded(kind, sentences)
+
+
+def _wires(kind: type[Sentence], sentences: Sentences, commas: Commas) -> Wires:
     """Where the fields of sentences are."""
     wire = np.arange(count_of_wires(kind) + 1)[:, None]
-    commas = lines.commas[which]
-    marks = lines.marks.take(lines.first[which] + wire, mode="clip")
+    marks = commas.marks.take(commas.first + wire, mode="clip")
     begin, end = marks[:-1] + 1, marks[1:]
-    last, most = lines.end[which] - 3, int(commas.max())
-    if commas.min() == most:
+    last, most = sentences.end - 3, int(commas.count.max())
+    if commas.count.min() == most:
         end[most - 1 : most] = last
         begin[most:], end[most:] = 0, 0
-        return Wires(lines.text, begin, end)
-    end = np.where(wire[:-1] == commas - 1, last, end)
-    there = wire[:-1] < commas
-    return Wires(lines.text, begin * there, end * there)
-
-
-def _cut(text: Text, begin: Places, end: Places) -> list[bytes]:
-    return [text[start:stop].tobytes() for start, stop in zip(begin.tolist(), end.tolist(), strict=True)]
+        return Wires(sentences.text, begin, end)
+    end = np.where(wire[:-1] == commas.count - 1, last, end)
+    there = wire[:-1] < commas.count
+    return Wires(sentences.text, begin * there, end * there)
 
 
 class _Formatters:
@@ -201,9 +207,18 @@ class _Formatters:
         self._by_hash = np.zeros(_HASHES, np.uint16)
         self._proprietary: dict[bytes, int] = {}
 
-    def codes(self, lines: LogLines, which: Places) -> Codes:
+    def codes(self, sentences: Sentences) -> Codes:
         """uint16[n]: the number of each sentence's formatter."""
-        head: Words = np.ndarray(len(lines.text) - 7, "<u8", lines.text, 0, (1,))[lines.begin[which]]
+        if sentences.commas:
+            return self._found(sentences)
+        codes = np.empty(len(sentences), np.uint16)
+        native.kernels.sentence_codes(sentences.text, sentences.begin, self._by_hash, self._letters, codes)
+        others = np.flatnonzero(codes == 0)
+        codes[others] = self._found(sentences[others])
+        return codes
+
+    def _found(self, sentences: Sentences) -> Codes:
+        head: Words = np.ndarray(len(sentences.text) - 7, "<u8", sentences.text, 0, (1,))[sentences.begin]
         letters = head >> np.uint64(24) & np.uint64(0xFFFFFF)
         usual = (head >> 48 & 0xFF == ord(",")) & (head >> 8 & 0xFF != ord("P"))
         codes = self._by_hash.take(_hash(letters))
@@ -212,8 +227,9 @@ class _Formatters:
             same = letters[new] == letters[new[0]]
             codes[new[same]] = self._new(letters[new[0]])
             new = new[~same]
-        for row in np.flatnonzero(~usual).tolist():
-            codes[row] = self._address(lines, int(which[row]))
+        others = np.flatnonzero(~usual)
+        bodies = cut(sentences.text, sentences.begin[others] + 1, sentences.end[others] - 3)
+        codes[others] = [self._address(body.partition(b",")[0]) for body in bodies]
         return codes
 
     def _new(self, letters: np.uint64) -> int:
@@ -226,10 +242,8 @@ class _Formatters:
         self._by_hash[_hash(np.array(letters))] = code
         return code
 
-    def _address(self, lines: LogLines, line: int) -> int:
+    def _address(self, address: bytes) -> int:
         """The number of an address that is not two letters of a talker and three of a formatter."""
-        begin, end = int(lines.begin[line]) + 1, int(lines.end[line]) - 3
-        address = lines.text[begin:end].tobytes().partition(b",")[0]
         if address not in self._proprietary:
             self._proprietary[address] = self._add(address, None, np.uint64(0))
         return self._proprietary[address]

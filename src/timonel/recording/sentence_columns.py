@@ -21,8 +21,9 @@ from timonel.nmea0183.sentences import ALC, XDR
 from timonel.recording.decimals import Decimals, Flags, Places, Text, decimals
 
 Array = npt.NDArray[Any]
-_MODES = np.array(["", *filter(None, fields.VALID_MODES)], "S1")
-_LISTS = (ALC, XDR)
+_VALID_MODES = np.zeros(256, np.bool_)
+_VALID_MODES[[0, *(ord(mode) for mode in fields.VALID_MODES if mode)]] = True  # 0 is none
+LISTS = (ALC, XDR)
 """Kinds with any number of fields: their sentences are read one by one."""
 _NUMBERS = (fields.Number, fields.Signed, fields.Position, fields.TimeOfDay, fields.Date, fields.Integer)
 
@@ -39,6 +40,9 @@ class Column(msgspec.Struct, frozen=True, eq=False, gc=False):
 
     def some(self, rows: Places) -> "Column":
         return Column(self.values[rows], None if self.valid is None else self.valid[rows])
+
+
+Columns = dict[str, Column]
 
 
 class Wires(msgspec.Struct, frozen=True, eq=False, dict=True):
@@ -78,12 +82,11 @@ class Wires(msgspec.Struct, frozen=True, eq=False, dict=True):
 
 
 class _Reading(msgspec.Struct, frozen=True, eq=False):
-    """What the kinds of field read from: their first wire, and the numbers that stand in the wires."""
+    """What the kinds of field read from: the wires, the numbers that stand in some, and which sentences are odd."""
 
     wires: Wires
     numbers: dict[int, Decimals]
     odd: Flags
-    """Sentences with a field that is not as usual."""
 
     def empty(self, wire: int) -> Flags:
         empty: Flags = self.wires.nothing[wire]
@@ -93,20 +96,12 @@ class _Reading(msgspec.Struct, frozen=True, eq=False):
         np.logical_or(self.odd, ~usual, out=self.odd)
 
 
-def typed(
-    kind: type[Sentence], wires: Wires, lines: Callable[[Places], list[bytes]]
-) -> tuple[dict[str, Column], Flags]:
-    """The columns of sentences of one kind, and which of them are malformed (what their rows have means nothing).
+def mended(columns: Columns, odd: Flags, lines: Callable[[Places], list[bytes]]) -> tuple[Columns, Flags]:
+    """The columns with the values of odd sentences, and which are malformed (what their rows have means nothing).
 
     `lines` gives some of the sentences, from `$` to the check sum.
     """
-    count = wires.begin.shape[1]
-    if kind in _LISTS:
-        columns = {name: Column(np.full(count, None, object)) for name in kind.__struct_fields__}
-        odd = np.ones(count, np.bool_)
-    else:
-        columns, odd = _usual(kind, wires)
-    malformed = np.zeros(count, np.bool_)
+    malformed = np.zeros(len(odd), np.bool_)
     rows = np.flatnonzero(odd)
     if len(rows):
         sentences = [parse(line) for line in lines(rows)]
@@ -117,22 +112,34 @@ def typed(
     return columns, malformed
 
 
-def _usual(kind: type[Sentence], wires: Wires) -> tuple[dict[str, Column], Flags]:
-    plan = _plan(kind)
+def unread(kind: type[Sentence], count: int) -> tuple[Columns, Flags]:
+    """The columns of a kind of `LISTS`, and that all sentences are odd."""
+    columns = {name: Column(np.full(count, None, object)) for name in kind.__struct_fields__}
+    return columns, np.ones(count, np.bool_)
+
+
+def usual(kind: type[Sentence], wires: Wires) -> tuple[Columns, Flags]:
+    """The columns of sentences of one kind, and which are odd: they have a field that is not as usual."""
+    plan = plan_of(kind)
     numeric = [wire for _, wire, field in plan if isinstance(field, _NUMBERS)]
     count = wires.begin.shape[1]
     found = decimals(wires.text, wires.begin[numeric].ravel(), wires.end[numeric].ravel())
     numbers = {wire: found[place * count : (place + 1) * count] for place, wire in enumerate(numeric)}
     reading = _Reading(wires, numbers, np.zeros(count, np.bool_))
     columns = {name: _READ[type(field)](reading, wire, field) for name, wire, field in plan}
-    for name, _, field in plan:
+    return with_modes(kind, columns), reading.odd
+
+
+def with_modes(kind: type[Sentence], columns: Columns) -> Columns:
+    """A status that depends on a mode is settled when both are read."""
+    for name, _, field in plan_of(kind):
         if isinstance(field, fields.Status) and field.mode:
-            columns[name].values[~np.isin(columns[field.mode].values, _MODES)] = False
-    return columns, reading.odd
+            columns[name].values[~_VALID_MODES.take(columns[field.mode].values.view(np.uint8))] = False
+    return columns
 
 
 @cache
-def _plan(kind: type[Sentence]) -> list[tuple[str, int, fields.Field]]:
+def plan_of(kind: type[Sentence]) -> list[tuple[str, int, fields.Field]]:
     """Each attribute with the first of its wires."""
     found, wire = [], 0
     for name, field in layout(kind).items():
@@ -144,7 +151,7 @@ def _plan(kind: type[Sentence]) -> list[tuple[str, int, fields.Field]]:
 @cache
 def count_of_wires(kind: type[Sentence]) -> int:
     """How many comma-separated fields a kind has."""
-    return 0 if kind in _LISTS else sum(field.wires for field in layout(kind).values())
+    return 0 if kind in LISTS else sum(field.wires for field in layout(kind).values())
 
 
 def _number(reading: _Reading, wire: int, field: Any) -> Column:

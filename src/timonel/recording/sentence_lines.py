@@ -1,7 +1,8 @@
 """The lines of an NMEA 0183 log, and which of them are plain sentences. Needs the extra `columns`.
 
-Plain is a line from `$` or `!` to a right check sum, of printable characters. The check sum is the XOR of all
-characters before a place, taken at two places: one pass over the text, eight characters at a time, for all lines.
+Plain is a line from `$` or `!` to a right check sum, of printable characters. Without a compiled kernel the check sum
+is the XOR of all characters before a place, taken at two places: one pass over the text, eight characters at a time,
+for all lines.
 """
 
 from typing import Any
@@ -10,10 +11,14 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from timonel import native
 from timonel.recording.decimals import LONGEST, Flags, Places, Text
+from timonel.recording.frames import NO_STAMP, Stamps
 
 PADDING = bytes(LONGEST)
 """Stands before and behind the text, so that whole words can be read anywhere."""
+
+Which = Places | Flags | slice
 
 _COMMA, _LINE_FEED, _RETURN, _STAR = b",\n\r*"
 _FIRST = np.array([(1 << 8 * count) - 1 for count in range(8)], np.uint64)
@@ -21,45 +26,117 @@ _DIGITS = np.full(256, 255, np.uint8)
 _DIGITS[list(b"0123456789ABCDEFabcdef")] = [*range(16), *range(10, 16)]
 
 
-class LogLines(msgspec.Struct, frozen=True, eq=False, gc=False):
-    """Lines of a text between paddings: where each begins, and where its characters end (before CR and LF).
+class Commas(msgspec.Struct, frozen=True, eq=False, gc=False):
+    """The `count[i]` commas of a line are at `marks[first[i]]` and the next; behind the last stands a line feed."""
 
-    Its `commas[i]` commas are at `marks[first[i]]` and the next; behind the last of them stands a line feed.
+    marks: Places
+    first: Places
+    count: Places
+
+    def __getitem__(self, which: Which) -> "Commas":
+        return Commas(self.marks, self.first[which], self.count[which])
+
+    def joined(self, other: "Commas", shift: int) -> "Commas":
+        return Commas(
+            np.concatenate((self.marks, other.marks + shift)),
+            np.concatenate((self.first, other.first + len(self.marks))),
+            np.concatenate((self.count, other.count)),
+        )
+
+
+class Sentences(msgspec.Struct, frozen=True, eq=False, gc=False):
+    """Sentences in a text between paddings, each from `begin` to `end`; `line` and `stamp` are those of the log.
+
+    `commas` are None where the compiled kernels look for them.
     """
 
     text: Text
     begin: Places
     end: Places
-    behind: Places
-    """Where the next line begins."""
-    marks: Places
-    first: Places
-    commas: Places
+    line: Places
+    stamp: Stamps
+    commas: Commas | None
 
-    def joined(self, other: "LogLines") -> "LogLines":
-        """With the lines of another text behind these."""
+    def __len__(self) -> int:
+        return len(self.begin)
+
+    def __getitem__(self, which: Which) -> "Sentences":
+        commas = None if self.commas is None else self.commas[which]
+        return Sentences(self.text, self.begin[which], self.end[which], self.line[which], self.stamp[which], commas)
+
+    def joined(self, other: "Sentences") -> "Sentences":
+        """With those of another text, in the order of their lines."""
         shift = len(self.text)
-        return LogLines(
+        both = Sentences(
             np.concatenate((self.text, other.text)),
             np.concatenate((self.begin, other.begin + shift)),
             np.concatenate((self.end, other.end + shift)),
-            np.concatenate((self.behind, other.behind + shift)),
-            np.concatenate((self.marks, other.marks + shift)),
-            np.concatenate((self.first, other.first + len(self.marks))),
-            np.concatenate((self.commas, other.commas)),
+            np.concatenate((self.line, other.line)),
+            np.concatenate((self.stamp, other.stamp)),
+            self.commas and other.commas and self.commas.joined(other.commas, shift),
         )
+        return both[np.argsort(both.line, kind="stable")]
 
 
-def lines_of(lines: bytes) -> LogLines:
-    """The lines of a text whose last one has its end."""
-    text = np.frombuffer(b"".join((PADDING, lines, PADDING)), np.uint8)
-    marks = np.flatnonzero((text == _COMMA) | (text == _LINE_FEED))
+class LogLines(msgspec.Struct, frozen=True, eq=False, gc=False):
+    """Lines of a text between paddings: where each begins, where its characters end (before CR and LF), and where the
+    next one begins; and which are plain sentences."""
+
+    text: Text
+    begin: Places
+    end: Places
+    behind: Places
+    plain: Flags
+    commas: Commas | None
+
+    def __len__(self) -> int:
+        return len(self.begin)
+
+    def others(self) -> list[tuple[int, bytes]]:
+        """The place and the text, with its end, of each line that is no plain sentence."""
+        places = np.flatnonzero(~self.plain)
+        return list(zip(places.tolist(), cut(self.text, self.begin[places], self.behind[places]), strict=True))
+
+    def sentences(self, before: int) -> Sentences:
+        """The plain ones, behind so many lines of the log."""
+        line = np.arange(before + 1, before + 1 + len(self))
+        stamp = np.full(len(self), NO_STAMP)
+        found = Sentences(self.text, self.begin, self.end, line, stamp, self.commas)
+        return found if self.plain.all() else found[self.plain]
+
+
+def padded(text: bytes) -> Text:
+    """A text between paddings."""
+    return np.frombuffer(b"".join((PADDING, text, PADDING)), np.uint8)
+
+
+def cut(text: Text, begin: Places, end: Places) -> list[bytes]:
+    """Parts of a text."""
+    return [text[start:stop].tobytes() for start, stop in zip(begin.tolist(), end.tolist(), strict=True)]
+
+
+def lines_of(text: Text) -> LogLines:
+    """The lines of a text between paddings, of any characters; its last line has its end."""
+    return _interpreted(text) if native.kernels is None else _compiled(text)
+
+
+def _compiled(text: Text) -> LogLines:
+    count = np.count_nonzero(text[LONGEST:-LONGEST] == _LINE_FEED)
+    begin, end, behind = (np.empty(count, np.intp) for _ in range(3))
+    plain = np.empty(count, np.bool_)
+    native.kernels.sentence_lines(text, begin, end, behind, plain)
+    return LogLines(text, begin, end, behind, plain, None)
+
+
+def _interpreted(text: Text) -> LogLines:
+    inner = text[LONGEST:-LONGEST]
+    marks = np.flatnonzero((inner == _COMMA) | (inner == _LINE_FEED)) + LONGEST
     last = np.flatnonzero(text.take(marks) == _LINE_FEED)
     feeds = marks.take(last)
-    begin = _behind(feeds, LONGEST)
+    begin, behind = _behind(feeds, LONGEST), feeds + 1
     first = _behind(last, 0)
-    end = feeds - (text.take(feeds - 1) == _RETURN)
-    return LogLines(text, begin, np.maximum(end, begin), feeds + 1, marks, first, last - first)
+    end = np.maximum(feeds - (text.take(feeds - 1) == _RETURN), begin)
+    return LogLines(text, begin, end, behind, _plain(text, begin, end, behind), Commas(marks, first, last - first))
 
 
 def _behind(places: Places, start: int) -> Places:
@@ -69,9 +146,8 @@ def _behind(places: Places, start: int) -> Places:
     return behind
 
 
-def plain(lines: LogLines) -> Flags:
+def _plain(text: Text, begin: Places, end: Places, behind: Places) -> Flags:
     """Which lines are plain sentences."""
-    text, begin, end = lines.text, lines.begin, lines.end
     lead = text.take(begin)
     high, low = (_DIGITS.take(text.take(end - place)) for place in (2, 1))
     value = _sums(text, begin + 1, np.maximum(end - 3, 0))
@@ -80,7 +156,7 @@ def plain(lines: LogLines) -> Flags:
     fine &= (high | low) < 16
     fine &= high << 4 | low == value
     fine &= end - begin >= 4
-    fine[_unprintable(lines)] = False
+    fine[_unprintable(text, end, behind)] = False
     return fine
 
 
@@ -101,13 +177,11 @@ def _sums(text: Text, begin: Places, end: Places) -> npt.NDArray[np.uint8]:
     return both.astype(np.uint8)
 
 
-def _unprintable(lines: LogLines) -> npt.NDArray[Any]:
+def _unprintable(text: Text, end: Places, behind: Places) -> npt.NDArray[Any]:
     """The lines with other than printable characters."""
-    other = lines.text - np.uint8(0x20) > 0x7E - 0x20
-    ends = lines.behind - lines.end
-    if np.count_nonzero(other) == 2 * LONGEST + ends.sum():
+    other = text[LONGEST:-LONGEST] - np.uint8(0x20) > 0x7E - 0x20
+    if np.count_nonzero(other) == (behind - end).sum():
         return np.empty(0, np.intp)
-    other[lines.behind - 1] = False
-    other[lines.end] = False
-    places = np.flatnonzero(other[LONGEST:-LONGEST]) + LONGEST
-    return np.searchsorted(lines.behind, places, "right")
+    other[behind - 1 - LONGEST] = False
+    other[end - LONGEST] = False
+    return np.searchsorted(behind, np.flatnonzero(other) + LONGEST, "right")

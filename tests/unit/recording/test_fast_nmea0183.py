@@ -13,6 +13,8 @@ from timonel.nmea0183.sentences import HDT
 from timonel.recording.fast_nmea0183 import open_sentences
 from timonel.recording.frames import NO_STAMP
 
+pytestmark = pytest.mark.usefixtures("each_way")
+
 
 def sealed(body, start="$"):
     return f"{start}{body}*{checksum(body.encode('latin-1')):02X}\n"
