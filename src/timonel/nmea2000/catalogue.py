@@ -278,10 +278,9 @@ def find(pgn: int, payload: bytes) -> Definition | None:
 def finder(pgn: int) -> Finder:
     """`find` of one PGN, for the hot path."""
     found = candidates(pgn)
-    if not found:
-        return lambda payload: None
-    if not found[0].pattern[0]:
-        return lambda payload: found[0]
+    single = only(pgn)
+    if not found or single:
+        return lambda payload: single
     patterns = [(*definition.pattern, definition) for definition in found]
     union, longest = _union(found)
     known: dict[int, Definition | None] = {}
@@ -301,6 +300,12 @@ def finder(pgn: int) -> Finder:
         return known[head]
 
     return search
+
+
+def only(pgn: int) -> Definition | None:
+    """The definition of every message of a PGN; None where the payload decides, or nobody knows it."""
+    found = candidates(pgn)
+    return found[0] if found and not found[0].pattern[0] else None
 
 
 def candidates(pgn: int) -> list[Definition]:

@@ -40,20 +40,25 @@ class Candump:
         self._elapsed = 0.0
         self._second, self._microseconds = "", 0
         self._identifiers: dict[str, tuple[int, bool]] = {}
+        self._data = 0
         self.dated = any(_is_date(match[1]) for match in map(_STAMP.match, sample) if match)
 
     def read(self, line: str) -> LogFrame | None:
         """A frame; None for a comment, a remote request or an error frame. ValueError for any other line."""
         # Once a line: what was read before, the second and what stands between the time and the data, is not read
-        # anew. The quotient is the number that `float` makes of the digits.
-        head, mark, data = line.partition("#")
-        known, fraction = self._identifiers.get(head[18:]), head[12:18]
-        if mark and known is not None and head[:12] == self._second and fraction.isdecimal() and len(data) <= 16:
+        # anew, and the data is looked for where it was last. The quotient is the one that `float` makes of the digits.
+        data = self._data
+        known = self._identifiers.get(line[18:data])
+        if known is None:
+            data = self._data = line.find("#") + 1
+            known = self._identifiers.get(line[18:data])
+        fraction, digits = line[12:18], line[data:]
+        if known is not None and line[:12] == self._second and fraction.isdecimal():
             try:
-                payload = bytes.fromhex(data)
+                payload = bytes.fromhex(digits)
             except ValueError:
                 return self._any(line)
-            if 2 * len(payload) == len(data):
+            if 2 * len(payload) == len(digits) <= 16:
                 return LogFrame((self._microseconds + int(fraction)) / 1e6, known[0], payload, known[1])
         return self._any(line)
 
@@ -63,20 +68,20 @@ class Candump:
             stamp, identifier, data = match.groups()
             frame = _frame(float(stamp), identifier, data)
             if frame is not None and match.end(1) == 18:
-                self._remember(line, frame)
+                self._remember(line, match.end(2) + 1, frame)
             return frame
         if is_comment(line):
             return None
         return self._printed(line)
 
-    def _remember(self, line: str, frame: LogFrame) -> None:
-        """`(1669809600.` and `) can0 0DF11917` of a line."""
-        if line[11] != ".":
+    def _remember(self, line: str, data: int, frame: LogFrame) -> None:
+        """`(1669809600.` and `) can0 0DF11917#` of a line, unless its interface has a `#`, too."""
+        if line[11] != "." or line.index("#") + 1 < data:
             return
         if len(self._identifiers) == _MOST_IDENTIFIERS:
             self._identifiers.clear()
         self._second, self._microseconds = line[:12], int(line[1:11]) * 1_000_000
-        self._identifiers[line[18 : line.index("#")]] = frame.identifier, frame.extended
+        self._identifiers[line[18:data]] = frame.identifier, frame.extended
 
     def _printed(self, line: str) -> LogFrame | None:
         match = _PRINTED.fullmatch(line)

@@ -8,8 +8,10 @@ for message in timonel.open_recording("log.candump"):
 Fast packets are put together as the live path does it; a frame without a time comes `PACE` after the one before.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from enum import Enum
+from functools import lru_cache
+from importlib.util import find_spec
 from json import JSONEncoder
 from json.encoder import encode_basestring
 from pathlib import Path
@@ -17,12 +19,12 @@ from typing import Any, Self
 
 import msgspec
 
-from timonel.nmea2000.catalogue import Definition, find
+from timonel.nmea2000.catalogue import Definition, Finder, finder, only
 from timonel.nmea2000.fastpacket import FastPacketCounters, Reassembler
 from timonel.nmea2000.identifier import split
 from timonel.nmea2000.schedule import is_fast
 from timonel.recording.formats import LogReader, open_log
-from timonel.recording.lines import LogFrame
+from timonel.recording.lines import LogFrame, Record, Unreadable
 from timonel.vehicles.rover.declaration import RoverFrame
 from timonel.vehicles.rover.protocol import Protocol
 from timonel.vehicles.rover.segments import SINGLE, Joiner
@@ -32,7 +34,13 @@ PACE = 1_000_000
 
 _json = JSONEncoder(ensure_ascii=False, check_circular=False).encode
 
-_MAX_AGE, _MAX_GAP = 250_000_000, 100_000_000  # ns, the Reassembler's own limits
+FAST = ("candump", "pcap", "MCAP")
+"""The formats of which many frames are read at a time."""
+
+LONG = 1 << 20
+"""Bytes of a recording that are as much work as it is to begin reading many frames at a time."""
+
+_MAX_AGE, _MAX_GAP = 250_000, 100_000  # us, the Reassembler's own limits
 
 
 # The encoder's own way costs ten times as much for a single value.
@@ -69,7 +77,8 @@ class Message(msgspec.Struct, frozen=True, gc=False):
     @property
     def value(self) -> Any:
         """The values as attributes, None where there is none; None if the PGN is not known."""
-        return self.definition.decode(self.data) if self.definition else None
+        definition = self.definition
+        return None if definition is None else definition.decode(self.data)
 
     @property
     def fields(self) -> dict[str, Any]:
@@ -140,6 +149,19 @@ def _plain(value: Any, labels: bool) -> Any:
     return value
 
 
+Address = tuple[int, int, int, int, bool, Definition | None, Finder | None]
+"""Priority, PGN, source, destination, whether it is a fast packet; its definition, or what tells that of a payload."""
+
+
+# Asked for each frame; a bus has a few hundred identifiers. A plain tuple is taken apart in a third of the time.
+@lru_cache(maxsize=4096)
+def address(identifier: int) -> Address:
+    """What there is to know of an extended identifier."""
+    priority, pgn, source, destination = split(identifier)
+    definition = only(pgn)
+    return priority, pgn, source, destination, is_fast(pgn), definition, None if definition else finder(pgn)
+
+
 class Decoder:
     """Takes the frames of a recording one after the other; of standard identifiers by a rover's `protocol`."""
 
@@ -147,6 +169,7 @@ class Decoder:
         self.protocol = protocol or Protocol()
         self._reassembler = Reassembler(_MAX_AGE, _MAX_GAP)
         self._joiner = Joiner({number: frame.size for number, frame in self.protocol.declarations.items()})
+        self._stamp: float | None = None
         self._now = 0
         self._row = -1
 
@@ -155,49 +178,89 @@ class Decoder:
         """What became of the fast packets."""
         return self._reassembler.counters
 
+    # Once a frame: what only fast packets and rovers need, the time in us, is not made for others.
     def receive(self, frame: LogFrame) -> Message | OwnMessage | None:
         """The message that the frame is, or completes."""
-        stamp, self._row = frame.stamp, self._row + 1
-        self._now = self._now + PACE if stamp is None else round(stamp * 1e6) * 1000
+        stamp, data = frame.stamp, frame.data
+        self._row += 1
+        if stamp is None:
+            self._now = self._time() + PACE // 1000
+        self._stamp = stamp
         if not frame.extended:
-            return self._own(frame)
-        priority, pgn, source, destination = split(frame.identifier)
-        data: bytes | None = frame.data
-        if not frame.whole and is_fast(pgn):
-            data = self._reassembler.receive(frame.identifier, frame.data, self._now)
-        if data is None:
-            return None
-        return Message(stamp, priority, source, destination, pgn, data, find(pgn, data))
+            return self.own(stamp, frame.identifier, data, self._row * PACE if stamp is None else self._time() * 1000)
+        priority, pgn, source, destination, fast, definition, find = address(frame.identifier)
+        if fast and not frame.whole:
+            now = self._now if stamp is None else round(stamp * 1e6)
+            payload = self._reassembler.receive(frame.identifier, data, now)
+            if payload is None:
+                return None
+            data = payload
+        return Message(stamp, priority, source, destination, pgn, data, find(data) if find else definition)
 
-    def _own(self, frame: LogFrame) -> OwnMessage | None:
-        """The frame of a rover that this is, or completes."""
-        number, data = frame.identifier, frame.data
+    def _time(self) -> int:
+        """us of the frame that came last."""
+        return self._now if self._stamp is None else round(self._stamp * 1e6)
+
+    def own(self, time: float | None, number: int, data: bytes, now: int) -> OwnMessage | None:
+        """The frame of a rover that this is, or completes; `now` in ns."""
         declared = self.protocol.declaration(number)
         if declared is not None and declared.SEGMENTED and declared.size > SINGLE and len(data) <= SINGLE:
-            joined = self._joiner.receive(number, data, (self._row * PACE if frame.stamp is None else self._now) / 1e9)
+            joined = self._joiner.receive(number, data, now / 1e9)
             if joined is None:
                 return None
             data = joined
-        return OwnMessage(frame.stamp, number, data, self.protocol.decode(number, data))
+        return OwnMessage(time, number, data, self.protocol.decode(number, data))
+
+
+Records = Iterable[Record | Unreadable]
 
 
 class Recording:
-    """The messages of a recording: iterate over it once. `log` tells its format, times, and what could not be read."""
+    """The messages of a recording: iterate over it once. `log` tells its format, times, and what could not be read.
 
-    def __init__(self, log: LogReader, protocol: Protocol | None = None) -> None:
+    Of a long one frames are read `many` at a time: then `log` and `counters` may be some thousand frames ahead.
+    """
+
+    def __init__(self, log: LogReader, protocol: Protocol | None = None, many: bool = False) -> None:
         self.log = log
+        self._many = many
         self._decoder = Decoder(protocol)
+        self._counters = self._decoder.counters
 
     @property
     def counters(self) -> FastPacketCounters:
         """What became of the fast packets so far."""
-        return self._decoder.counters
+        return self._counters
 
     def __iter__(self) -> Iterator[Message | OwnMessage]:
-        for frame in self.log:
-            message = self._decoder.receive(frame)
-            if message is not None:
-                yield message if self.log.dated else msgspec.structs.replace(message, time=None)
+        with self.log:
+            if self._many:
+                from timonel.recording.fast_decoded import Messages
+
+                messages = Messages(self.log, self._decoder)
+                self._counters = messages.counters
+                yield from messages
+            else:
+                for records in self._portions():
+                    yield from self._one_by_one(records)
+
+    def _portions(self) -> Iterator[Records]:
+        for portion in self.log.portions():
+            yield self.log.stream.receive(portion)
+        yield self.log.stream.finish()
+        yield self.log.damage()
+
+    def _one_by_one(self, records: Records) -> Iterator[Message | OwnMessage]:
+        log, receive = self.log, self._decoder.receive
+        dated = log.dated
+        for record in records:
+            if isinstance(record, LogFrame):
+                log.frames += 1
+                message = receive(record)
+                if message is not None:
+                    yield message if dated else msgspec.structs.replace(message, time=None)
+            elif isinstance(record, Unreadable):
+                log.refuse(record)
 
     def __enter__(self) -> Self:
         return self
@@ -211,4 +274,14 @@ def open_recording(path: str | Path, protocol: Protocol | None = None, strict: b
 
     A rover's frames are decoded by `protocol`. `strict` and the errors are those of `recording.open_log`.
     """
-    return Recording(open_log(path, strict), protocol)
+    log = open_log(path, strict)
+    return Recording(log, protocol, not strict and _is_long(log) and _has_numpy())
+
+
+def _is_long(log: LogReader) -> bool:
+    """Whether it is worth to import what reads many frames at a time; standard input is read as it comes."""
+    return log.format in FAST and log.size is not None and log.size >= LONG
+
+
+def _has_numpy() -> bool:
+    return find_spec("numpy") is not None

@@ -123,3 +123,21 @@ def outcome(reader, line):
         return reader(line)
     except ValueError as refused:
         return str(refused)
+
+
+def test_an_interface_may_have_the_mark_before_the_data():
+    candump = Candump([])
+    odd = LOGGED.replace("can0", "c#00")
+    assert [candump.read(odd), candump.read(odd)] == read(LOGGED, LOGGED)
+    with pytest.raises(ValueError):
+        candump.read(odd.partition(" 0DF")[0])
+
+
+def test_lines_of_two_interfaces_and_of_both_kinds_of_identifier_take_turns():
+    turns = [
+        LOGGED,
+        LOGGED.replace("can0", "vcan12"),
+        LOGGED.replace("0DF11917", "123"),
+        LOGGED.replace("#00", "#"),
+    ] * 3
+    assert read(*turns) == [frame for line in turns for frame in read(line)]
