@@ -31,6 +31,7 @@ test-all: test mutation
 	scripts/debian.sh qemu-system-x86 busybox-static cpio kmod
 	$(BIN)/python -m pytest -m slow --timeout 1800 --ignore tests/slow
 	$(VCAN) -- $(BIN)/python -m pytest tests/slow --timeout 600
+	scripts/sanitize.sh
 
 lint: $(VENV)/dev $(NPM_DONE)
 	$(BIN)/ruff check
