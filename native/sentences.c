@@ -90,40 +90,41 @@ PyObject *sentence_lines(PyObject *module, PyObject *arguments)
     Py_RETURN_NONE;
 }
 
-enum { HASHES = 1 << 15 };
+enum { HASHES = 1 << 15, SHORTEST = 10 /* $IIHDT,*hh */ };
 
 static inline u32 hash(u64 letters)
 {
     return (u32)((letters & 31) << 10 | (letters >> 8 & 31) << 5 | (letters >> 16 & 31));
 }
 
-/* (text, begin, by_hash, letters, codes) -> None: the number of each sentence's three letters, which `by_hash` (uint16)
-   tells where `letters` (uint64) has them; 0 where it does not, and for other addresses. */
+/* (text, begin, end, by_hash, letters, codes) -> None: the number of each sentence's three letters, which `by_hash`
+   (uint16) tells where `letters` (uint64) has them; 0 where it does not, and for other addresses. */
 PyObject *sentence_codes(PyObject *module, PyObject *arguments)
 {
-    PyObject *objects[5];
-    Py_buffer views[5];
+    PyObject *objects[6];
+    Py_buffer views[6];
     Buffers buffers;
     (void)module;
-    if (!PyArg_ParseTuple(arguments, "OOOOO", &objects[0], &objects[1], &objects[2], &objects[3], &objects[4])
-        || take_buffers(&buffers, views, objects, 5, 4))
+    if (!PyArg_ParseTuple(arguments, "OOOOOO", &objects[0], &objects[1], &objects[2], &objects[3], &objects[4],
+                          &objects[5])
+        || take_buffers(&buffers, views, objects, 6, 5))
         return NULL;
-    i64 count = views[1].len / 8, known = views[3].len / 8, row = 0;
-    if (enough(&views[0], 2 * PADDING, 1, "text") || enough(&views[2], HASHES, 2, "by_hash")
-        || enough(&views[4], count, 2, "codes")) {
+    i64 count = views[1].len / 8, known = views[4].len / 8, row = 0;
+    if (enough(&views[0], 2 * PADDING, 1, "text") || enough(&views[2], count, 8, "end")
+        || enough(&views[3], HASHES, 2, "by_hash") || enough(&views[5], count, 2, "codes")) {
         give_buffers_back(&buffers);
         return NULL;
     }
     const u8 *text = views[0].buf;
-    const i64 *begin = views[1].buf;
-    const u16 *by_hash = views[2].buf;
-    const u64 *names = views[3].buf;
-    u16 *codes = views[4].buf;
+    const i64 *begin = views[1].buf, *end = views[2].buf;
+    const u16 *by_hash = views[3].buf;
+    const u64 *names = views[4].buf;
+    u16 *codes = views[5].buf;
     Py_BEGIN_ALLOW_THREADS
     for (; row < count && begin[row] >= 0 && begin[row] <= views[0].len - PADDING; row++) {
         u64 head = load8(text + begin[row]), letters = head >> 24 & 0xFFFFFF;
         u16 code = by_hash[hash(letters)];
-        bool usual = (head >> 48 & 0xFF) == ',' && (head >> 8 & 0xFF) != 'P';
+        bool usual = (head >> 48 & 0xFF) == ',' && (head >> 8 & 0xFF) != 'P' && end[row] - begin[row] >= SHORTEST;
         codes[row] = usual && code < known && names[code] == letters ? code : 0;
     }
     Py_END_ALLOW_THREADS

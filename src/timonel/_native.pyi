@@ -79,7 +79,7 @@ def item_places(
 def sentence_lines(text: Array, begin: Array, end: Array, behind: Array, plain: Array, /) -> None:
     """Where lines begin, where their characters end, where the next ones begin, and which are plain sentences."""
 
-def sentence_codes(text: Array, begin: Array, by_hash: Array, letters: Array, codes: Array, /) -> None:
+def sentence_codes(text: Array, begin: Array, end: Array, by_hash: Array, letters: Array, codes: Array, /) -> None:
     """The number of each sentence's formatter, where `by_hash` tells the number of its letters; 0 for all others."""
 
 def sentence_groups(

@@ -34,6 +34,7 @@ PORTION = 1 << 21
 """Bytes at a time: enough that what is done once a table costs less than what is done once a sentence."""
 
 _HASHES = 1 << 15
+_SHORTEST = len("$IIHDT,*hh")
 
 Numbers = npt.NDArray[np.int64]
 Words = npt.NDArray[np.uint64]
@@ -212,7 +213,9 @@ class _Formatters:
         if sentences.commas:
             return self._found(sentences)
         codes = np.empty(len(sentences), np.uint16)
-        native.kernels.sentence_codes(sentences.text, sentences.begin, self._by_hash, self._letters, codes)
+        native.kernels.sentence_codes(
+            sentences.text, sentences.begin, sentences.end, self._by_hash, self._letters, codes
+        )
         others = np.flatnonzero(codes == 0)
         codes[others] = self._found(sentences[others])
         return codes
@@ -221,6 +224,7 @@ class _Formatters:
         head: Words = np.ndarray(len(sentences.text) - 7, "<u8", sentences.text, 0, (1,))[sentences.begin]
         letters = head >> np.uint64(24) & np.uint64(0xFFFFFF)
         usual = (head >> 48 & 0xFF == ord(",")) & (head >> 8 & 0xFF != ord("P"))
+        usual &= sentences.end - sentences.begin >= _SHORTEST
         codes = self._by_hash.take(_hash(letters))
         new = np.flatnonzero(usual & (self._letters.take(codes) != letters))
         while len(new):

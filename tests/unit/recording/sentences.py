@@ -5,12 +5,17 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
-from timonel.nmea0183.checksum import Fault
+from timonel.nmea0183.checksum import Fault, checksum
 from timonel.nmea0183.registry import parse
 from timonel.recording.fast_nmea0183 import SentenceReader, SentenceTable, open_sentences
 from timonel.recording.formats import open_any
 from timonel.recording.frames import nanoseconds
 from timonel.recording.sentence_columns import Column
+
+
+def sealed(body: str, start: str = "$") -> str:
+    """The line of a sentence, ISO 8859-1."""
+    return f"{start}{body}*{checksum(body.encode('latin-1')):02X}\n"
 
 
 def compared(path: Path, size: int = 1 << 21) -> list[SentenceTable]:

@@ -5,19 +5,14 @@ import random
 
 import pytest
 
-from tests.unit.recording.sentences import by_formatter, compared, listed
+from tests.unit.recording.sentences import by_formatter, compared, listed, sealed
 from timonel.errors import RecordingError
-from timonel.nmea0183.checksum import checksum
 from timonel.nmea0183.registry import SENTENCES
 from timonel.nmea0183.sentences import HDT
 from timonel.recording.fast_nmea0183 import open_sentences
 from timonel.recording.frames import NO_STAMP
 
 pytestmark = pytest.mark.usefixtures("each_way")
-
-
-def sealed(body, start="$"):
-    return f"{start}{body}*{checksum(body.encode('latin-1')):02X}\n"
 
 
 def written(tmp_path, *lines):
