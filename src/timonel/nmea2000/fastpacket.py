@@ -152,11 +152,13 @@ class Reassembler:
         head = data[0]
         key = (identifier & _STREAM) << 3 | head >> 5
         slot = self._slots.get(key)
-        if slot is None:
-            return self._begin(key, head & 31, data, now)
-        if not self._min_gap <= now - slot.last <= self._max_gap or now - slot.first >= self._max_age:
+        if slot is not None and (
+            not self._min_gap <= now - slot.last <= self._max_gap or now - slot.first >= self._max_age
+        ):
             self._forget(key, slot)
-            return self._begin(key, head & 31, data, now)
+            slot = None
+        if slot is None:
+            return self._wait(key, head & 31, data, now) if head & 31 else self._start(key, data, now)
         slot.last = now
         if head != slot.due or len(data) != 8:
             return self._out_of_place(key, slot, head & 31, data, now)
@@ -175,19 +177,17 @@ class Reassembler:
         if slot.due != _SPENT:
             self.counters.expired += 1
 
-    def _begin(self, key: int, index: int, data: bytes, now: float) -> bytes | None:
-        """The first frame that comes of a message."""
-        if index == 0:
-            return self._start(key, data, now, True)
+    def _wait(self, key: int, index: int, data: bytes, now: float) -> bytes | None:
+        """The first frame that comes of a message, which is not its first."""
         if index == 1 and len(data) == 8:
             self._keep(key, [], _AHEAD, 0, now, True).ahead = data
         else:
             self.counters.headless += 1
         return None
 
-    def _start(self, key: int, data: bytes, now: float, exchangeable: bool) -> bytes | None:
+    def _start(self, key: int, data: bytes, now: float, exchangeable: bool = True) -> bytes | None:
         """A message's frame 0."""
-        end = _end(data)
+        end = 1 + data[1] // 7 if len(data) == 8 and data[1] <= LONGEST else _end(data)
         if end > 1:
             self._keep(key, [data], data[0] + 1, data[0] + end, now, exchangeable)
             return None
