@@ -20,10 +20,10 @@ from timonel.vehicles.rover.protocol import Protocol
 
 EVERYTHING = Wanted()
 
-CHUNK = 160_000
+CHUNK = 131_072
 """Frames at a time: with these, and what is made of them, a program stays below 200 MiB."""
 
-FIRST = 1 << 13
+FIRST = 1 << 10
 """Frames of the first chunk, so that something comes out at once."""
 
 

@@ -14,7 +14,7 @@ from timonel.nmea2000.catalogue_columns import select
 from timonel.nmea2000.fastpacket import FastPacketCounters
 from timonel.recording.assembly import Assembly, Group
 from timonel.recording.formats import LogReader
-from timonel.recording.frames import NO_STAMP
+from timonel.recording.frames import NO_STAMP, Identifiers
 from timonel.recording.lines import Unreadable
 from timonel.vehicles.rover.protocol import Protocol
 from timonel.vehicles.rover.segments import SINGLE
@@ -34,12 +34,6 @@ class Tally(msgspec.Struct, gc=False):
     count: int = 0
     first: int | None = None
     last: int | None = None
-
-    def add(self, count: int, first: int | None, last: int | None) -> None:
-        self.count += count
-        if first is not None and last is not None:
-            self.first = first if self.first is None else min(self.first, first)
-            self.last = last if self.last is None else max(self.last, last)
 
     @property
     def rate(self) -> float | None:
@@ -90,6 +84,13 @@ class Summary(msgspec.Struct):
         return None if self.first is None or self.last is None else (self.last - self.first) / 1e9
 
 
+def _widened(known: Tally | Summary, first: int, last: int) -> tuple[int, int]:
+    """The span of both."""
+    if known.first is None or known.last is None:
+        return first, last
+    return min(known.first, first), max(known.last, last)
+
+
 class Summariser:
     """Takes the groups of a recording as they come."""
 
@@ -98,6 +99,7 @@ class Summariser:
         self._protocol = protocol
 
     def receive(self, groups: Sequence[Group]) -> None:
+        self._sources([group.identifier for group in groups if group.pgn is not None])
         for group in groups:
             if group.frame is not None:
                 self._own(group)
@@ -113,15 +115,21 @@ class Summariser:
         summary.counters = assembly.counters
         return summary
 
+    def _sources(self, identifiers: Sequence[Identifiers]) -> None:
+        """How many messages each address has sent: told apart once a chunk, not once a PGN."""
+        if not identifiers:
+            return
+        counts = np.bincount(np.concatenate(identifiers).astype(np.uint8))
+        for source in np.flatnonzero(counts).tolist():
+            self.summary.devices.setdefault(source, Device()).messages += int(counts[source])
+
     def _bus(self, group: Group, pgn: int) -> None:
-        if len(variants(pgn)) == 1 and pgn not in (CLAIM, PRODUCT) and not variants(pgn)[0].pattern[0]:
-            self._count(pgn, variants(pgn)[0], group)
+        known = variants(pgn)
+        if len(known) == 1 and pgn not in (CLAIM, PRODUCT) and not known[0].pattern[0]:
+            self._count(pgn, known[0], group)
         else:
             for definition, rows in select(pgn, group.payloads, group.lengths):
                 self._count(pgn, definition, group, rows)
-        for source, count in enumerate(np.bincount(group.source, minlength=1).tolist()):
-            if count:
-                self.summary.devices.setdefault(source, Device()).messages += count
         if pgn in (CLAIM, PRODUCT):
             self._introduce(group, pgn)
 
@@ -143,11 +151,14 @@ class Summariser:
         first, last = int(stamps.min()), int(stamps.max())
         if first == NO_STAMP and last != NO_STAMP:
             first = int(stamps[stamps != NO_STAMP].min())
-        span = (first, last) if last != NO_STAMP else (None, None)
-        self.summary.messages.setdefault(key, Tally(key[1], title)).add(len(stamps), *span)
-        whole = Tally(None, "", 0, self.summary.first, self.summary.last)
-        whole.add(0, *span)
-        self.summary.first, self.summary.last = whole.first, whole.last
+        summary = self.summary
+        tally = summary.messages.get(key)
+        if tally is None:
+            tally = summary.messages[key] = Tally(key[1], title)
+        tally.count += len(stamps)
+        if last != NO_STAMP:
+            tally.first, tally.last = _widened(tally, first, last)
+            summary.first, summary.last = _widened(summary, first, last)
 
     def _introduce(self, group: Group, pgn: int) -> None:
         """The last word of each device about itself."""

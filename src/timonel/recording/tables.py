@@ -32,17 +32,11 @@ CHUNK = 1 << 19
 _LARGEST = (1 << 25) - (1 << 13)  # bytes of the largest block that glibc may keep, with what stands around it
 
 
-class Table(msgspec.Struct, frozen=True, eq=False, gc=False):
-    """Messages of one kind. `definition` is canboat's or the rover's frame, None if there is none.
-
-    `fields` are by canboat's id, with `groups` for repeating sets; `signals`, float64[n] each, by the rover's name.
-    """
+class Lot(msgspec.Struct, frozen=True, eq=False, gc=False):
+    """Messages of one kind, not decoded yet. `definition` is canboat's or the rover's frame, None if there is none."""
 
     definition: Definition | type[RoverFrame] | None
     messages: Group
-    fields: Mapping[str, AnyColumn] = {}
-    groups: tuple[Items, ...] = ()
-    signals: dict[str, npt.NDArray[np.float64]] = {}
 
     @property
     def name(self) -> str | None:
@@ -53,6 +47,17 @@ class Table(msgspec.Struct, frozen=True, eq=False, gc=False):
             case Definition():
                 return self.definition.id
         return self.definition.__name__
+
+
+class Table(Lot, frozen=True, eq=False, gc=False):
+    """Messages of one kind with their values.
+
+    `fields` are by canboat's id, with `groups` for repeating sets; `signals`, float64[n] each, by the rover's name.
+    """
+
+    fields: Mapping[str, AnyColumn] = {}
+    groups: tuple[Items, ...] = ()
+    signals: dict[str, npt.NDArray[np.float64]] = {}
 
     @property
     def time(self) -> npt.NDArray[np.float64]:
@@ -76,34 +81,39 @@ class Tables:
 
     def receive(self, groups: Iterable[Group]) -> Iterator[Table]:
         """The tables of a chunk's messages. `labels` is `catalogue_columns.columns`'."""
+        return map(self.table, self.lots(groups))
+
+    def lots(self, groups: Iterable[Group]) -> Iterator[Lot]:
+        """A chunk's messages by what explains them."""
         for group in groups:
             if group.pgn is not None:
-                yield from self._canboat(group.pgn, group)
+                for definition, rows in select(group.pgn, group.payloads, group.lengths):
+                    yield Lot(definition, group if len(rows) == len(group.row) else some(group, rows))
             elif group.frame is not None:
                 yield from self._rover(group.frame, group)
 
-    def _canboat(self, pgn: int, group: Group) -> Iterator[Table]:
-        for definition, rows in select(pgn, group.payloads, group.lengths):
-            messages = group if len(rows) == len(group.row) else some(group, rows)
-            if definition is None:
-                yield Table(None, messages)
-            else:
-                found = columns(definition, messages.payloads, messages.lengths, self._labels)
-                yield Table(definition, messages, found.fields, found.groups)
+    def table(self, lot: Lot) -> Table:
+        """The values of some messages of one kind."""
+        definition, messages = lot.definition, lot.messages
+        if isinstance(definition, Definition):
+            found = columns(definition, messages.payloads, messages.lengths, self._labels)
+            return Table(definition, messages, found.fields, found.groups)
+        if definition is None:
+            return Table(None, messages)
+        signals = self._protocol.columns(definition.FRAME, messages.payloads[:, : definition.size])
+        return Table(definition, messages, signals=signals)
 
-    def _rover(self, number: int, group: Group) -> Iterator[Table]:
+    def _rover(self, number: int, group: Group) -> Iterator[Lot]:
         declared = self._protocol.declaration(number)
         if declared is None:
-            yield Table(None, group)
+            yield Lot(None, group)
             return
-        if declared.SEGMENTED and declared.size > 8:
+        if declared.SEGMENTED and declared.size > SINGLE:
             group = self._joined(group)
         fits = group.lengths == declared.size
-        if (fitting := some(group, np.flatnonzero(fits))).row.size:
-            signals = self._protocol.columns(number, fitting.payloads[:, : declared.size])
-            yield Table(declared, fitting, signals=signals)
-        if (others := some(group, np.flatnonzero(~fits))).row.size:
-            yield Table(None, others)
+        for definition, there in ((declared, fits), (None, ~fits)):
+            if (rows := np.flatnonzero(there)).size:
+                yield Lot(definition, some(group, rows))
 
     def _joined(self, group: Group) -> Group:
         """The halves of segmented frames put together, one after the other."""
