@@ -15,6 +15,8 @@ from timonel.recording.frames import from_logframes
 from timonel.recording.sinks import jsonl
 from timonel.recording.sinks.jsonl import JsonLines
 
+pytestmark = pytest.mark.usefixtures("each_way")
+
 
 def one_by_one(frames, labels=True):
     decoder = Decoder()

@@ -12,12 +12,15 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from timonel import native
 from timonel.nmea2000.catalogue import Definition, find
 from timonel.nmea2000.catalogue_columns import Columns, Items, columns, select
 from timonel.nmea2000.identifier import split
 from timonel.recording.assembly import Group
 from timonel.recording.decoded import Message, OwnMessage
 from timonel.recording.frames import NO_STAMP
+from timonel.recording.sinks.line_page import LinePage, Lot
+from timonel.recording.sinks.line_steps import LineSteps
 from timonel.recording.sinks.notation import HEXADECIMAL, Known, Notation
 from timonel.recording.sinks.texts import Page, Sizes, Texts, listed
 from timonel.recording.tables import Tables, some
@@ -65,36 +68,58 @@ class JsonLines:
         self._notation = Notation(labels)
         self._addresses = Known(_ADDRESSES, _address)
         self._paper = Page()
+        self._steps = LineSteps(labels)
+        self._lines = LinePage(self._steps, day, self._by_hand)
 
     def lines(self, groups: Sequence[Group], first: int, frames: int) -> memoryview:
         """The lines of the messages that `frames` frames complete, of which the first one is number `first`.
 
         They are there until the next ones are written.
         """
+        lots: list[Lot] = []
         tables: list[_Table] = []
         single: list[Line] = []
         for group in groups:
-            if group.pgn is not None:
-                self._split(group, group.pgn, first, tables, single)
-            else:
+            if group.pgn is None:
                 for table in self._own.receive([group]):
                     single += self._one_by_one(table.messages, table.name, first)
-        return self._page(tables, single, frames)
+            elif native.kernels is None:
+                self._split(group, group.pgn, first, tables, single)
+            else:
+                self._sort(group, group.pgn, first, lots, tables, single)
+        made, sizes = self._page(tables, single, frames)
+        return self._lines.lines(lots, first, made, sizes) if lots else made
+
+    def _sort(
+        self, group: Group, pgn: int, first: int, lots: list[Lot], tables: list["_Table"], single: list[Line]
+    ) -> None:
+        """Each variant of a PGN is a lot that the kernel writes, if it can."""
+        for definition, part in self._variants(group, pgn):
+            name = definition.id if definition else None
+            written = self._steps.written(pgn, definition)
+            if written is not None:
+                lots.append(Lot(written, name, part))
+            elif len(part.row) < FEW:
+                single += self._one_by_one(part, name, first)
+            else:
+                tables.append(self._table(definition, part, first))
 
     def _split(self, group: Group, pgn: int, first: int, tables: list["_Table"], single: list[Line]) -> None:
         """Each variant of a PGN is a table, unless it is rare."""
         if len(group.row) < FEW and self._names is None:
             single += self._one_by_one(group, None, first)
             return
-        for definition, rows in select(pgn, group.payloads, group.lengths):
-            name = definition.id if definition else None
-            if self._names is not None and name not in self._names:
-                continue
-            part = group if len(rows) == len(group.row) else some(group, rows)
-            if len(rows) < FEW:
-                single += self._one_by_one(part, name, first)
+        for definition, part in self._variants(group, pgn):
+            if len(part.row) < FEW:
+                single += self._one_by_one(part, definition.id if definition else None, first)
             else:
                 tables.append(self._table(definition, part, first))
+
+    def _variants(self, group: Group, pgn: int) -> Iterator[tuple[Definition | None, Group]]:
+        """The definitions of a PGN that are asked for, and the messages of each."""
+        for definition, rows in select(pgn, group.payloads, group.lengths):
+            if self._names is None or (definition.id if definition else None) in self._names:
+                yield definition, group if len(rows) == len(group.row) else some(group, rows)
 
     def _one_by_one(self, group: Group, name: str | None, first: int) -> Iterator[Line]:
         """The lines of a few messages, and the place in the chunk of each."""
@@ -105,7 +130,7 @@ class JsonLines:
         columns_of = (group.row, group.stamp, group.identifier, group.lengths)
         for start, row, stamp, identifier, length in zip(starts, *(c.tolist() for c in columns_of), strict=True):
             payload = data[start : start + length]
-            time = None if stamp == NO_STAMP or self._day is None else (stamp + self._day) // 1000 / 1e6
+            time = None if stamp == NO_STAMP or self._day is None else (stamp + self._day + 500) // 1000 / 1e6
             if group.frame is None:
                 priority, pgn, source, destination = split(identifier)
                 line = Message(time, priority, source, destination, pgn, payload, find(pgn, payload)).line(self._labels)
@@ -113,6 +138,10 @@ class JsonLines:
                 value = self._protocol.decode(group.frame, payload)
                 line = OwnMessage(time, group.frame, payload, value).line(self._labels)
             yield row - first, f"{line}\n".encode()
+
+    def _by_hand(self, message: Group, name: str | None) -> bytes:
+        ((_, line),) = self._one_by_one(message, name, 0)
+        return line
 
     def _table(self, definition: Definition | None, group: Group, first: int) -> "_Table":
         head = Message(None, 0, 0, 0, group.pgn or 0, b"", definition).head.encode().removeprefix(_PGN)
@@ -135,8 +164,8 @@ class JsonLines:
         sizes += (ordinal == 0) * (len(opening) - len(_ITEM))
         return _List(items.rows, ordinal, opening, pieces, sizes)
 
-    def _page(self, tables: list["_Table"], single: list[Line], frames: int) -> memoryview:
-        """All lines in the order of the frames that completed them."""
+    def _page(self, tables: list["_Table"], single: list[Line], frames: int) -> tuple[memoryview, Sizes]:
+        """All lines in the order of the frames that completed them, and bytes a frame."""
         sizes = np.zeros(frames, np.intp)
         for one, line in single:
             sizes[one] = len(line)
@@ -166,7 +195,7 @@ class JsonLines:
             page.put_all(end, _PGN)
         for one, line in single:
             page.put_one(int(at[one]), line)
-        return page.content
+        return page.content, sizes
 
 
 class _List(msgspec.Struct, frozen=True, eq=False, gc=False):

@@ -16,6 +16,8 @@ from timonel.vehicles.rover.conversions import signal
 from timonel.vehicles.rover.declaration import RoverFrame
 from timonel.vehicles.rover.protocol import Protocol
 
+pytestmark = pytest.mark.usefixtures("each_way")
+
 HEADING = bytes.fromhex("0083E9FF7FFF7FFD")
 DAY = 1_700_000_000 // 86400 * 86400
 
