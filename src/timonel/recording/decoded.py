@@ -162,6 +162,12 @@ def address(identifier: int) -> Address:
     return priority, pgn, source, destination, is_fast(pgn), definition, None if definition else finder(pgn)
 
 
+def made(time: float | None, identifier: int, data: bytes) -> Message:
+    """The message that was sent with an extended identifier; bits above the 29 are not looked at."""
+    priority, pgn, source, destination, _, definition, find = address(identifier)
+    return Message(time, priority, source, destination, pgn, data, find(data) if find else definition)
+
+
 class Decoder:
     """Takes the frames of a recording one after the other; of standard identifiers by a rover's `protocol`."""
 

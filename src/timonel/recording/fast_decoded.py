@@ -1,28 +1,37 @@
-"""The messages of a recording, made thousands at a time. Needs the extra `columns`.
+"""The messages of a recording, from frames that are read thousands at a time. Needs the extra `columns`.
 
-Frames are read and fast packets put together in columns; one by one, only the messages are made.
+Fast packets are put together in columns; one by one, only the messages are made, each when it is asked for.
 """
 
-from collections.abc import Iterator, Sequence
-from itertools import chain, repeat
+from collections.abc import Iterator
+from itertools import chain
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from timonel.nmea2000.catalogue import finder, only
 from timonel.nmea2000.fastpacket import FastPacketCounters
+from timonel.nmea2000.schedule import FAST, FAST_RANGES
 from timonel.recording.assembly import PACE, Assembly, Group
 from timonel.recording.chunks import FrameReader
-from timonel.recording.decoded import Decoder, Message, OwnMessage
+from timonel.recording.decoded import Decoder, Message, OwnMessage, made
 from timonel.recording.formats import LogReader
-from timonel.recording.frames import NO_STAMP, Stamps
+from timonel.recording.frames import EXTENDED, NO_STAMP, Frames, Identifiers, Stamps
+from timonel.recording.part import STANDARD, Lengths, Payloads, pgns_of
 
 CHUNK = 1 << 14
-"""Frames at a time: enough that what is done once for all of them, and for each PGN, costs little."""
+"""Frames at a time: enough that what is done once for all of them costs little, few enough for a processor's cache."""
 
-Times = list[float | None]
-Made = tuple[npt.NDArray[np.int64], Sequence[Message | OwnMessage]]
-"""The rows of the frames that completed messages, and the messages."""
+Rows = npt.NDArray[np.int64]
+
+
+class Lot(msgspec.Struct, frozen=True, eq=False):
+    """Messages: the row of the frame that completed each, its stamp and identifier (see `frames`), and their data."""
+
+    row: Rows
+    stamp: Stamps
+    identifier: Identifiers
+    data: list[bytes]
 
 
 class Messages:
@@ -31,7 +40,9 @@ class Messages:
     def __init__(self, log: LogReader, decoder: Decoder) -> None:
         self._frames = FrameReader(log, CHUNK)
         self._decoder = decoder
-        self._assembly = Assembly()
+        self._fast = _fast()
+        places = np.flatnonzero(self._fast).astype(np.uint32)
+        self._assembly = Assembly(pgns_of(places << np.uint32(8)).tolist())
         self._dated = log.dated
         self._tick, self._second = (1, 1e9) if log.format == "MCAP" else (1000, 1e6)
 
@@ -41,55 +52,75 @@ class Messages:
 
     def __iter__(self) -> Iterator[Message | OwnMessage]:
         for frames in self._frames:
-            yield from self._in_order(self._assembly.receive(frames))
+            first = self._assembly.frames
+            groups = self._assembly.receive(frames)
+            yield from self._messages(_ordered([self._single(frames, first), *map(_lot, groups)]))
 
-    def _in_order(self, groups: list[Group]) -> Iterator[Message | OwnMessage]:
-        """The messages in the order of the frames that completed them."""
-        made = [self._messages(group) for group in groups if group.pgn is not None]
-        made.append(self._own([group for group in groups if group.pgn is None]))
-        order = np.argsort(np.concatenate([rows for rows, _ in made]))
-        messages = list(chain.from_iterable(some for _, some in made))
-        return map(messages.__getitem__, order.tolist())
+    def _single(self, frames: Frames, first: int) -> Lot:
+        """The frames that are messages, those of a rover, too; `first` is the row of the first of all."""
+        identifier = frames.identifier
+        place = np.flatnonzero((identifier < EXTENDED) | ~self._fast[identifier >> 8 & STANDARD - 1])
+        some = frames[place]
+        data = _cells(some.data, some.length.astype(np.intp))
+        for row in np.flatnonzero(some.length > 8).tolist():
+            data[row] = some.payload(row)
+        return Lot(place + first, some.stamp, some.identifier, data)
 
-    def _messages(self, group: Group) -> Made:
-        """The messages of a PGN."""
-        assert group.pgn is not None
-        times, data, definition = self._times(group.stamp), payloads(group), only(group.pgn)
-        addresses = [column.tolist() for column in (group.priority, group.source, group.destination)]
-        definitions = repeat(definition) if definition else map(finder(group.pgn), data)
-        return group.row, list(map(Message, times, *addresses, repeat(group.pgn), data, definitions))
+    def _messages(self, lot: Lot) -> Iterator[Message | OwnMessage]:
+        times, identifiers = self._times(lot.stamp), lot.identifier.tolist()
+        if np.all(lot.identifier >= EXTENDED):
+            return map(made, times, identifiers, lot.data)
+        now = np.where(lot.stamp == NO_STAMP, lot.row * PACE, lot.stamp).tolist()
+        found = map(self._any, times, identifiers, lot.data, now)
+        return (message for message in found if message is not None)
 
-    def _own(self, groups: list[Group]) -> Made:
-        """What the frames of a rover complete."""
-        frames: list[tuple[int, int, float | None, int, bytes]] = []
-        for group in groups:
-            assert group.frame is not None
-            rows, stamps, times = group.row.tolist(), group.stamp.tolist(), self._times(group.stamp)
-            frames += zip(rows, stamps, times, repeat(group.frame), payloads(group), strict=False)
-        rows, made = [], []
-        for row, stamp, time, number, data in sorted(frames):
-            now = row * PACE if stamp == NO_STAMP else stamp
-            if (message := self._decoder.own(time, number, data, now)) is not None:
-                rows.append(row)
-                made.append(message)
-        return np.array(rows, np.int64), made
+    def _any(self, time: float | None, identifier: int, data: bytes, now: int) -> Message | OwnMessage | None:
+        if identifier >= EXTENDED:
+            return made(time, identifier, data)
+        return self._decoder.own(time, identifier, data, now)
 
-    def _times(self, stamp: Stamps) -> Times:
+    def _times(self, stamp: Stamps) -> list[float | None]:
         """Unix seconds: the same quotients as where frames are read one by one."""
         if not self._dated:
             return [None] * len(stamp)
-        times: Times = (stamp // self._tick / self._second).tolist()
+        times: list[float | None] = (stamp // self._tick / self._second).tolist()
         for place in np.flatnonzero(stamp == NO_STAMP).tolist():
             times[place] = None
         return times
 
 
-def payloads(group: Group) -> list[bytes]:
-    """What the messages of a group carry."""
-    width = group.payloads.shape[1]
+def _fast() -> npt.NDArray[np.bool_]:
+    """Whether an identifier is that of a fast packet, by its PGN, with a destination in it or not."""
+    fast = np.zeros(STANDARD, np.bool_)
+    fast[list(FAST)] = True
+    for first, last in FAST_RANGES:
+        fast[first : last + 1] = True
+    return fast
+
+
+def _lot(group: Group) -> Lot:
+    return Lot(group.row, group.stamp, group.identifier | np.uint32(EXTENDED), _cells(group.payloads, group.lengths))
+
+
+def _ordered(lots: list[Lot]) -> Lot:
+    """All of them, in the order of their rows."""
+    if len(lots) == 1:
+        return lots[0]
+    row = np.concatenate([lot.row for lot in lots])
+    order = np.argsort(row)
+    stamp = np.concatenate([lot.stamp for lot in lots])[order]
+    identifier = np.concatenate([lot.identifier for lot in lots])[order]
+    data = list(chain.from_iterable(lot.data for lot in lots))
+    return Lot(row[order], stamp, identifier, list(map(data.__getitem__, order.tolist())))
+
+
+def _cells(payloads: Payloads, lengths: Lengths) -> list[bytes]:
+    """The first bytes of each row, as many as its length says, or all."""
+    width = payloads.shape[1]
     if not width:
-        return [b""] * len(group.row)
-    cells: list[bytes] = np.ascontiguousarray(group.payloads).view(f"V{width}")[:, 0].tolist()
-    for place in np.flatnonzero(group.lengths < width).tolist():
-        cells[place] = cells[place][: group.lengths[place]]
+        return [b""] * len(payloads)
+    cells: list[bytes] = np.ascontiguousarray(payloads).view(f"V{width}")[:, 0].tolist()
+    short = np.flatnonzero(lengths < width)
+    for place, length in zip(short.tolist(), lengths[short].tolist(), strict=True):
+        cells[place] = cells[place][:length]
     return cells

@@ -15,6 +15,8 @@ from timonel.nmea2000.fastpacket import fragment
 from timonel.nmea2000.identifier import join
 from timonel.recording import chunks, decoded, fast_decoded, open_log
 from timonel.recording.decoded import Message, OwnMessage, Recording, open_recording
+from timonel.recording.flight_segment import SegmentFile
+from timonel.recording.flight_tape import Tape
 from timonel.vehicles.rover.conversions import signal
 from timonel.vehicles.rover.declaration import RoverFrame
 from timonel.vehicles.rover.protocol import Protocol
@@ -96,6 +98,19 @@ def test_printed_lines_without_times_and_with_times_of_no_date_give_the_same_mes
 def test_our_own_recordings_give_the_same_messages(tmp_path):
     flights.recording(tmp_path / "flight.mcap")
     assert {message.name for message in same(tmp_path / "flight.mcap")} >= {"vesselHeading"}
+
+
+def test_messages_that_were_recorded_whole_stay_in_their_place(tmp_path):
+    product = flights.Frame(join(6, 126996, 5), bytes(range(134)))
+    transported = flights.Frame(join(6, 65240, 5), bytes(range(9)))
+    tape = Tape(["Bridge"], flights.OFFSET)
+    for frames in ([flights.HEADING, product], [transported, flights.LONG, flights.HEADING], [product, product]):
+        tape.step += 1
+        tape.frames(frames, tape.step * 500_000)
+    segment = SegmentFile(tmp_path / "run.mcap", flights.METADATA)
+    segment.write(tape.take())
+    segment.finish()
+    assert [len(message.data) for message in same(tmp_path / "run.mcap")] == [8, 134, 9, 20, 8, 134, 134]
 
 
 def test_nothing_but_lost_fast_packets_gives_no_message(tmp_path):
