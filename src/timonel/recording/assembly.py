@@ -190,8 +190,10 @@ class _Kinds(msgspec.Struct, frozen=True):
 @cache
 def _all() -> _Kinds:
     """All PGNs and standard identifiers there can be."""
-    pgns = np.arange(STANDARD)
-    return _kinds(pgns[(pgns & 0xFF00 >= _PDU1) | (pgns & 0xFF == 0)], np.arange(0x800))
+    pages = np.arange(0, STANDARD, 0x100)
+    addressed = pages & 0xFF00 < _PDU1
+    extensions = pages[~addressed, None] + np.arange(0x100)
+    return _kinds(np.sort(np.concatenate((pages[addressed], extensions.ravel()))), np.arange(0x800))
 
 
 def _kinds(pgns: Ints, standard: Ints) -> _Kinds:
@@ -199,8 +201,8 @@ def _kinds(pgns: Ints, standard: Ints) -> _Kinds:
     channels = np.concatenate(([-1], pgns[~fast], STANDARD + standard, pgns[fast]))
     codes = np.zeros(STANDARD + 0x800, np.uint16)
     codes[channels[1:]] = np.arange(1, len(channels))
-    addressed = pgns[pgns & 0xFF00 < _PDU1]  # with any destination they are one channel
-    codes[addressed[:, None] + np.arange(0x100)] = codes[addressed, None]
+    for pgn in pgns[pgns & 0xFF00 < _PDU1].tolist():
+        codes[pgn : pgn + 0x100] = codes[pgn]  # with any destination they are one channel
     return _Kinds(codes, channels.tolist(), len(channels) - int(fast.sum()))
 
 
