@@ -13,8 +13,9 @@ from benchmarks.processes import resident_mib
 from benchmarks.traffic import settings
 from timonel.cli.console import console
 from timonel.gateway.assemble import boat
-from timonel.gateway.configuration import Configuration, Web
+from timonel.gateway.configuration import Configuration
 from timonel.gateway.gateway import Channel, Gateway
+from timonel.gateway.web_settings import Web
 from timonel.links.link import BusLink
 from timonel.links.pty import PtyLink
 from timonel.links.socketcan import SocketCanLink

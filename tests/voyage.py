@@ -14,7 +14,8 @@ from typing import Protocol
 from timonel.core.effects import Effect, Transmit
 from timonel.core.frame import Frame
 from timonel.gateway import machine
-from timonel.gateway.configuration import Configuration, Station
+from timonel.gateway.configuration import Configuration
+from timonel.gateway.link_settings import Station
 from timonel.gateway.moment import microseconds, seconds
 from timonel.gateway.recorder import FORMAT, Recorder
 from timonel.nmea0183 import parp

@@ -24,13 +24,15 @@ from timonel.errors import LinkError
 from timonel.gateway import log
 from timonel.gateway.assemble import assemble
 from timonel.gateway.broker import settle
-from timonel.gateway.configuration import RECORDINGS, Configuration, Recording, Web
+from timonel.gateway.configuration import Configuration
 from timonel.gateway.extras import recorder_installed, web_installed
 from timonel.gateway.gateway import Observer
 from timonel.gateway.recording import recorded
+from timonel.gateway.recording_settings import RECORDINGS, Recording
 from timonel.gateway.service import serve
 from timonel.gateway.signalk import signalk
 from timonel.gateway.simulation import Simulated, Simulation
+from timonel.gateway.web_settings import Web
 from timonel.links.urls import bus_link
 from timonel.vehicles.boat.settings import BoatSettings
 

@@ -12,8 +12,9 @@ from timonel.cli.demo import HERE, Demo
 from timonel.cli.view import LiveView
 from timonel.core.effects import Effect, Say
 from timonel.core.frame import Frame
-from timonel.gateway.configuration import Configuration, Output, Station
+from timonel.gateway.configuration import Configuration
 from timonel.gateway.identity import settle
+from timonel.gateway.link_settings import Output, Station
 from timonel.gateway.signalk_settings import SignalK
 from timonel.nmea0183 import parp
 from timonel.vehicles.boat.alert_settings import AlertSettings

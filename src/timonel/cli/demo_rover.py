@@ -8,8 +8,9 @@ from timonel.cli.demo import HERE, Demo
 from timonel.cli.rover_view import RoverView
 from timonel.core.effects import Effect, Event
 from timonel.core.frame import Frame
-from timonel.gateway.configuration import Configuration, Station
+from timonel.gateway.configuration import Configuration
 from timonel.gateway.health import describe
+from timonel.gateway.link_settings import Station
 from timonel.vehicles.boat.settings import Port
 from timonel.vehicles.rover.protocol import Protocol
 from timonel.vehicles.rover.settings import RoverSettings

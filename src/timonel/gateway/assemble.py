@@ -7,9 +7,10 @@ from functools import partial
 
 import msgspec
 
-from timonel.gateway.configuration import Configuration, Output, Station
+from timonel.gateway.configuration import Configuration
 from timonel.gateway.frame_output import FrameOutput, FrameOutputs
 from timonel.gateway.gateway import Channel, Gateway
+from timonel.gateway.link_settings import Output, Station
 from timonel.gateway.moment import moment
 from timonel.gateway.shaping import shaped
 from timonel.gateway.variation import variation

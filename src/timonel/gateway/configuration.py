@@ -5,23 +5,30 @@ show them. All mistakes are told at once.
 """
 
 import os
-import secrets
 import tomllib
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_type_hints
+from typing import Any, Literal, get_type_hints
 
 import msgspec
 
 from timonel.core.mistakes import Mistakes, convert, did_you_mean, syntax_error, written
 from timonel.errors import ConfigError, LinkError
-from timonel.gateway import broker, identity, own_frames, shaping, signalk_settings, source_settings
-from timonel.gateway.extras import mdns_installed, recorder_installed, web_installed
-from timonel.gateway.measures import duration, size
-from timonel.gateway.places import is_loopback, place
+from timonel.gateway import (
+    broker,
+    identity,
+    link_settings,
+    own_frames,
+    recording_settings,
+    signalk_settings,
+    source_settings,
+    web_settings,
+)
+from timonel.gateway.extras import mdns_installed
+from timonel.gateway.link_settings import Input, Output, Station
+from timonel.gateway.recording_settings import Recording
+from timonel.gateway.web_settings import STATION_IDS, Web
 from timonel.links import urls
-from timonel.nmea0183.selection import EVERYTHING, Selection
-from timonel.nmea2000.text import FormName
 from timonel.vehicles.boat.alert_settings import AlertSettings
 from timonel.vehicles.boat.conversion import RATES
 from timonel.vehicles.boat.pilots import Wanted
@@ -36,12 +43,6 @@ Table = dict[str, Any]
 Keys = dict[str, Any]
 Settings = BoatSettings | RoverSettings
 
-StationId = Annotated[int, msgspec.Meta(ge=1, le=4)]
-STATION_IDS = (1, 2, 3, 4)
-RECORDINGS = "recordings"
-CONSOLE_AT = "127.0.0.1:8080"
-TOKEN_LENGTH = 12  # characters that a token has at least
-FRAMES_PER_SECOND = 400  # of one output's listeners: a quarter of what a bus carries
 FLUSH_SECONDS = {"0ms": 0.0, "2ms": 0.002, "5ms": 0.005}
 
 _BOAT = get_type_hints(BoatSettings, include_extras=True)
@@ -54,33 +55,7 @@ _ROVER = get_type_hints(RoverSettings, include_extras=True)
 _KIND = {"kind": Literal["boat", "rover"]}
 _BASE = {"base": Literal["documented", "physical"]}
 _GATEWAY: Keys = {"flush": Literal["0ms", "2ms", "5ms"], "log": Literal["debug", "info", "warning", "error"]}
-_RECORDING: Keys = {
-    "directory": str,
-    "segment_size": str,
-    "segment_age": str,
-    "budget": str,
-    "decoded": bool,
-    "enabled": bool,
-}
-_WEB: Keys = {
-    "enabled": bool,
-    "listen": str,
-    "token": Annotated[str, msgspec.Meta(min_length=TOKEN_LENGTH)],
-    "certificate": str,
-    "key": str,
-    "hosts": list[str],
-    "stations": list[StationId],
-    "tiles": str,
-}
 _NETWORK: Keys = {"mdns": bool}
-_STATION: Keys = {"id": StationId, "name": str, "url": str, "in": str, "out": str}
-_OUTPUT: Keys = {"url": str, "name": str}
-_INPUT: Keys = {"url": str, "name": str}
-_FRAMES: Keys = {
-    "format": FormName,
-    "transmit": bool,
-    "frames_per_second": Annotated[int, msgspec.Meta(ge=1, le=2000)],
-}
 
 
 class Kind(msgspec.Struct, frozen=True):
@@ -96,73 +71,6 @@ class Kind(msgspec.Struct, frozen=True):
     @property
     def keys(self) -> dict[str, Keys]:
         return self.tables | self.lists
-
-
-class Station(msgspec.Struct, frozen=True):
-    """A station's port and its links: `receive_url` is what it says, `send_url` what it hears.
-
-    Both are the same where one link does both; None where there is none.
-    """
-
-    port: Port
-    receive_url: str | None
-    send_url: str | None
-    selection: Selection = EVERYTHING
-    bytes_per_second: int | None = None
-    """What it may hear at most; None is what its link carries."""
-
-
-class Output(msgspec.Struct, frozen=True):
-    """A link for listeners that never command.
-
-    With a `form` it is told the frames of the bus instead of sentences, and may `transmit` some of its own.
-    """
-
-    name: str
-    url: str
-    form: FormName | None = None
-    transmit: bool = False
-    frames_per_second: int = FRAMES_PER_SECOND
-    selection: Selection = EVERYTHING
-    bytes_per_second: int | None = None
-
-
-class Input(msgspec.Struct, frozen=True):
-    """A link to instruments, which tell something and never command."""
-
-    port: Port
-    url: str
-
-
-class Recording(msgspec.Struct, frozen=True):
-    """Where the flight recorder writes, when it begins a new file (bytes, s), and what all may take (bytes).
-
-    `decoded` is whether messages are recorded in clear too.
-    """
-
-    directory: str
-    segment_size: int = 64_000_000
-    segment_age: float = 3600.0
-    budget: int = 2_000_000_000
-    decoded: bool = False
-
-
-class Web(msgspec.Struct, frozen=True):
-    """Where the console is served, and to whom.
-
-    `hosts` are the names by which browsers may call it beside its addresses, `stations` those that a console may be,
-    `tiles` a directory of map tiles, z/x/y.png.
-    Without a `token` whoever reaches it sees and may be a station, which is for this computer alone.
-    """
-
-    host: str = "127.0.0.1"
-    port: int = 8080
-    token: str | None = None
-    certificate: str | None = None
-    key: str | None = None
-    hosts: tuple[str, ...] = ()
-    stations: tuple[int, ...] = STATION_IDS
-    tiles: str | None = None
 
 
 class Configuration(msgspec.Struct, frozen=True):
@@ -261,6 +169,7 @@ class _Reader:
         """What is wrong in the files that this one names, a line each."""
         self._wrong = mistakes.add
         self._file = file
+        self._beside = Path(file).parent
         self._kind = _kind(document)
         for name in document.keys() - self._kind.keys.keys():
             self._wrong(name, f"unknown table{did_you_mean(name, self._kind.keys)}")
@@ -347,7 +256,7 @@ class _Reader:
 
     def _frames_file(self) -> str | None:
         path = self._sound("vehicle").get("frames")
-        return None if path is None else str(Path(self._file).parent / path)
+        return None if path is None else str(self._beside / path)
 
     def _own_frames(self, path: str | None) -> tuple[type[RoverFrame], ...]:
         """The frames that the owner declares, in a file beside this one."""
@@ -402,46 +311,14 @@ class _Reader:
         values = self._sound("recording")
         if "recording" not in self._given or not values.get("enabled", True):
             return None
-        if not recorder_installed():
-            self._wrong("recording", "needs mcap and zstandard: pip install timonel[recording]")
-        recording = Recording(
-            directory=str(Path(self._file).parent / values.get("directory", RECORDINGS)),
-            decoded=values.get("decoded", False),
-            **self._measures(_only(values, "segment_size", "budget"), size),
-            **self._measures(_only(values, "segment_age"), duration),
-        )
-        if recording.budget < 2 * recording.segment_size:
-            self._wrong("recording.budget", "is less than two segments of segment_size")
-        return recording
+        return recording_settings.settle(values, self._beside, self._wrong)
 
     def _web(self) -> Web | None:
         """None where there is no such table, or it says so."""
         values = self._sound("web")
         if "web" not in self._given or not values.get("enabled", True):
             return None
-        if not web_installed():
-            self._wrong("web", "needs starlette, uvicorn and websockets: pip install timonel[web]")
-        try:
-            host, port = place(values.get("listen", CONSOLE_AT))
-        except ValueError as fault:
-            self._wrong("web.listen", str(fault))
-            return Web()
-        if not is_loopback(host) and "token" not in self._tables["web"]:
-            self._wrong("web.token", f"missing; {host} is not this computer alone: say who may see, like {_a_token()}")
-        if ("key" in values) != ("certificate" in values):
-            self._wrong("web", "certificate and key go together")
-        wanted = _only(values, "certificate", "key", "tiles")
-        files = {key: str(Path(self._file).parent / path) for key, path in wanted.items()}
-        if "tiles" in files and not Path(files["tiles"]).is_dir():
-            self._wrong("web.tiles", f"{files['tiles']} is no directory of map tiles, z/x/y.png")
-        return Web(
-            host,
-            port,
-            values.get("token"),
-            hosts=tuple(values.get("hosts", ())),
-            stations=tuple(sorted(set(values.get("stations", STATION_IDS)))),
-            **files,
-        )
+        return web_settings.settle(values, "token" in self._tables["web"], self._beside, self._wrong)
 
     def _mqtt(self) -> broker.Mqtt | None:
         """None where there is no such table, or it says so."""
@@ -450,7 +327,7 @@ class _Reader:
             return None
         vehicle = self._sound("vehicle")
         name = str(vehicle.get("name", vehicle.get("kind")))
-        return broker.settle(values, name, Path(self._file).parent, self._wrong)
+        return broker.settle(values, name, self._beside, self._wrong)
 
     def _mdns(self) -> bool:
         wanted: bool = self._sound("network").get("mdns", False)
@@ -463,79 +340,23 @@ class _Reader:
         values = self._sound("signalk") if "signalk" in self._kind.tables else {}
         return signalk_settings.settle(values, self._wrong) if "signalk" in self._given else None
 
-    def _measures(self, values: Table, read: Callable[[str], float]) -> Table:
-        """Those that can be read, by name."""
-        measures = {}
-        for key, text in values.items():
-            try:
-                measures[key] = read(text)
-            except ValueError as fault:
-                self._wrong(f"recording.{key}", str(fault))
-        return measures
-
     def _stations(self) -> tuple[Station, ...]:
-        return tuple(
-            self._station(f"station[{number}]", table) for number, table in enumerate(self._lists["station"], 1)
-        )
-
-    def _station(self, place: str, table: Table) -> Station:
-        keys = self._kind.lists["station"]
-        values = self._values(place, table, keys)
-        if "id" not in table and not values.get("shared"):
-            or_shared = ", or shared = true for a wire that several stations share" if "shared" in keys else ""
-            self._wrong(f"{place}.id", f"missing; 1..4{or_shared}")
-        if "url" in table and ("in" in table or "out" in table):
-            self._wrong(f"{place}.url", "one link does both; leave out in and out")
-        elif "url" not in table and "in" not in table:
-            self._wrong(f"{place}.in", "missing; what the station says, or url where one link does both")
-        station = None if values.get("shared") else values.get("id")
-        name = values.get("name") or (f"Station {values['id']}" if "id" in values else place)
-        url = values.get("url")
-        instruments = values.get("instruments", False)
-        if instruments and station is None:
-            self._wrong(f"{place}.instruments", "not on a wire that several stations share")
-        return Station(
-            Port(name, station, instrument=instruments),
-            values.get("in", url),
-            values.get("out", url),
-            shaping.settle(values, place, True, self._wrong),
-            values.get("bytes_per_second"),
-        )
+        may_share = "shared" in self._kind.lists["station"]
+        given = self._places("station")
+        return tuple(link_settings.station(*one, may_share, self._wrong) for one in given)
 
     def _outputs(self) -> tuple[Output, ...]:
-        return tuple(self._output(f"output[{number}]", table) for number, table in enumerate(self._lists["output"], 1))
-
-    def _output(self, place: str, table: Table) -> Output:
-        values = self._values(place, table, self._kind.lists["output"])
-        if "url" not in table:
-            self._wrong(f"{place}.url", "missing; where the listeners are, like tcp-listen://127.0.0.1:10110")
-        form = values.get("format")
-        for key in _only(values, "transmit", "frames_per_second"):
-            if form is None:
-                self._wrong(f"{place}.{key}", "is for frames; say with format which form they have")
-        for key in _only(values, *shaping.KEYS):
-            if form is not None:
-                self._wrong(f"{place}.{key}", "is for sentences; with a format there are frames alone")
-        url = values.get("url", "")
-        return Output(
-            values.get("name") or url,
-            url,
-            form,
-            **_only(values, "transmit", "frames_per_second"),
-            selection=shaping.settle(values, place, False, self._wrong),
-            bytes_per_second=values.get("bytes_per_second"),
-        )
+        return tuple(link_settings.output(*one, self._wrong) for one in self._places("output"))
 
     def _inputs(self) -> tuple[Input, ...]:
-        return tuple(self._input(number, table) for number, table in enumerate(self._lists.get("input", ()), 1))
+        given = enumerate(self._places("input"), 1)
+        return tuple(link_settings.instruments(*one, number, self._wrong) for number, one in given)
 
-    def _input(self, number: int, table: Table) -> Input:
-        place = f"input[{number}]"
-        values = self._values(place, table, self._kind.lists["input"])
-        if "url" not in table:
-            self._wrong(f"{place}.url", "missing; where the instruments are, like serial:///dev/ttyUSB0?baud=4800")
-        hears = shaping.hearing(values, place, self._wrong)
-        return Input(Port(values.get("name") or f"Input {number}", instrument=True, hears=hears), values.get("url", ""))
+    def _places(self, name: str) -> Iterator[tuple[str, Table, Table]]:
+        """Each table of a list: where it stands, what is given there, and what of that is right."""
+        for number, table in enumerate(self._lists.get(name, ()), 1):
+            place = f"{name}[{number}]"
+            yield place, table, self._values(place, table, self._kind.lists[name])
 
     def _check_as_a_whole(self, configuration: Configuration) -> None:
         told = (configuration.web, configuration.mqtt, configuration.signalk) != (None, None, None)
@@ -584,17 +405,17 @@ KINDS = {
             "sentences": dict.fromkeys(RATES, bool | Hertz),
             "alerts": get_type_hints(AlertSettings, include_extras=True),
             "gateway": _GATEWAY,
-            "recording": _RECORDING,
-            "web": _WEB,
+            "recording": recording_settings.KEYS,
+            "web": web_settings.KEYS,
             "mqtt": broker.KEYS,
             "network": _NETWORK,
             "signalk": signalk_settings.KEYS,
             "sources": source_settings.KEYS,
         },
         lists={
-            "station": _STATION | {"shared": bool, "instruments": bool} | shaping.KEYS,
-            "output": _OUTPUT | _FRAMES | shaping.KEYS,
-            "input": _INPUT | shaping.HEARING_KEYS,
+            "station": link_settings.BOAT_STATION,
+            "output": link_settings.BOAT_OUTPUT,
+            "input": link_settings.INPUT,
             "correction": source_settings.CORRECTION,
         },
         settle=_Reader.boat,
@@ -605,12 +426,12 @@ KINDS = {
             "bus": {"url": str},
             "calibration": _BASE | get_type_hints(Calibration, include_extras=True),
             "gateway": _GATEWAY,
-            "recording": _RECORDING,
-            "web": _WEB,
+            "recording": recording_settings.KEYS,
+            "web": web_settings.KEYS,
             "mqtt": broker.KEYS,
             "network": _NETWORK,
         },
-        lists={"station": _STATION, "output": _OUTPUT},
+        lists={"station": link_settings.STATION, "output": link_settings.OUTPUT},
         settle=_Reader.rover,
     ),
 }
@@ -621,11 +442,6 @@ def _kind(document: Table) -> Kind:
     vehicle = document.get("vehicle")
     name = vehicle.get("kind") if isinstance(vehicle, dict) else None
     return KINDS.get(str(name), KINDS["boat"])
-
-
-def _a_token() -> str:
-    """A line that nobody guesses, to copy."""
-    return f'token = "{secrets.token_urlsafe(15)}"'
 
 
 def _without(table: Table, *keys: str) -> Table:

@@ -26,7 +26,7 @@ from typing import Any
 
 import msgspec
 
-from timonel.gateway.configuration import Web
+from timonel.gateway.web_settings import Web
 from timonel.web.messages import Role, You
 
 COOKIE = "timonel"

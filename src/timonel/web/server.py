@@ -20,8 +20,9 @@ import uvicorn
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from timonel.errors import LinkError
-from timonel.gateway.configuration import Configuration, Web
+from timonel.gateway.configuration import Configuration
 from timonel.gateway.gateway import Gateway
+from timonel.gateway.web_settings import Web
 from timonel.web.access import new_key
 from timonel.web.app import SECURITY, App
 from timonel.web.console import Console

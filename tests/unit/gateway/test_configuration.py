@@ -5,9 +5,11 @@ import pytest
 
 from timonel import __version__
 from timonel.errors import ConfigError
-from timonel.gateway import configuration
-from timonel.gateway.configuration import KINDS, Output, Recording, Station, load, parse
+from timonel.gateway import recording_settings
+from timonel.gateway.configuration import KINDS, load, parse
 from timonel.gateway.identity import unique_number
+from timonel.gateway.link_settings import Output, Station
+from timonel.gateway.recording_settings import Recording
 from timonel.nmea2000.node import NodeSettings
 from timonel.vehicles.boat.alert_settings import AlertSettings
 from timonel.vehicles.boat.conversion import RATES
@@ -115,7 +117,7 @@ def test_what_is_recorded_where_and_how_much_is_up_to_the_owner() -> None:
 
 
 def test_a_recorder_that_is_not_installed_is_a_mistake(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(configuration, "recorder_installed", lambda: False)
+    monkeypatch.setattr(recording_settings, "recorder_installed", lambda: False)
     assert mistakes(SOUND + "[recording]\n") == [
         "boat.toml:8, recording: needs mcap and zstandard: pip install timonel[recording]"
     ]

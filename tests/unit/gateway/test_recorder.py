@@ -17,11 +17,12 @@ from timonel.core.effects import Effect, Rejected, Say, Transmit
 from timonel.core.frame import Frame
 from timonel.gateway import gateway as gateway_module
 from timonel.gateway import recorder as recorder_module
-from timonel.gateway.configuration import Configuration, Recording, parse
+from timonel.gateway.configuration import Configuration, parse
 from timonel.gateway.gateway import Channel, Gateway
 from timonel.gateway.moment import microseconds, moment, seconds
 from timonel.gateway.recorder import Keeper, Recorder, event_message, front
 from timonel.gateway.recording import recorded
+from timonel.gateway.recording_settings import Recording
 from timonel.recording import flight_writer
 from timonel.recording.flight import BUS, ROWS_AT, Flight, Metadata, Record, frames_of
 from timonel.recording.flight_tape import Page

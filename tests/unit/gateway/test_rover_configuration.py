@@ -5,7 +5,8 @@ import pytest
 
 from timonel.errors import ConfigError
 from timonel.gateway.assemble import assemble
-from timonel.gateway.configuration import KINDS, Station, load, parse
+from timonel.gateway.configuration import KINDS, load, parse
+from timonel.gateway.link_settings import Station
 from timonel.links.slcan import SlcanLink
 from timonel.links.tcp_listen import TcpListenLink
 from timonel.links.uart_bus import UartBus

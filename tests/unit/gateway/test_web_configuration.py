@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from timonel.errors import ConfigError
-from timonel.gateway import configuration
-from timonel.gateway.configuration import Configuration, Web, parse
+from timonel.gateway import web_settings
+from timonel.gateway.configuration import Configuration, parse
+from timonel.gateway.web_settings import Web
 from timonel.vehicles.boat.settings import Port
 
 BOAT = '[vehicle]\nkind = "boat"\n[bus]\nurl = "socketcan://can0"\n'
@@ -77,7 +78,7 @@ def test_a_mistake_is_told(table: str) -> None:
 
 
 def test_what_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(configuration, "web_installed", lambda: False)
+    monkeypatch.setattr(web_settings, "web_installed", lambda: False)
     assert mistakes("") == ["/etc/boat.toml:5, web: needs starlette, uvicorn and websockets: pip install timonel[web]"]
 
 

@@ -12,8 +12,10 @@ import msgspec
 from timonel.core.frame import Frame
 from timonel.core.message import Message
 from timonel.gateway.assemble import assemble
-from timonel.gateway.configuration import Configuration, Station, Web
+from timonel.gateway.configuration import Configuration
 from timonel.gateway.gateway import Gateway
+from timonel.gateway.link_settings import Station
+from timonel.gateway.web_settings import Web
 from timonel.links.link import BusLink
 from timonel.links.urls import bus_link
 from timonel.nmea2000.fastpacket import fragment

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from tests.unit.web.scene import HERE, KEY, OPEN_TO_ALL, TOKEN
-from timonel.gateway.configuration import Web
+from timonel.gateway.web_settings import Web
 from timonel.web.access import (
     COOKIE,
     COOKIE_AGE,

@@ -17,7 +17,7 @@ from schemathesis.specs.openapi.checks import (
 
 from tests.unit.web.scene import configuration, request, scene
 from timonel.gateway.assemble import assemble
-from timonel.gateway.configuration import Web
+from timonel.gateway.web_settings import Web
 from timonel.web import openapi
 from timonel.web.routes import FILES, OPENAPI, ROUTES
 from timonel.web.server import served

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from tests.unit.web.scene import HERE, KEY, OPEN_TO_ALL, TOKEN, Answered, Scene, heading, request, scene
-from timonel.gateway.configuration import Web
+from timonel.gateway.web_settings import Web
 from timonel.web.access import Access, Least, Rights
 from timonel.web.app import SECURITY, find
 from timonel.web.pairing import GUESSES

@@ -12,7 +12,7 @@ from tests.unit.web.scene import configuration
 from tests.web_client import WebClient, handshake
 from timonel.errors import LinkError
 from timonel.gateway.assemble import assemble
-from timonel.gateway.configuration import Web
+from timonel.gateway.web_settings import Web
 from timonel.web.app import SECURITY
 from timonel.web.server import address, listen, served
 

@@ -7,7 +7,7 @@ import pytest
 
 from tests.unit.web.scene import OPEN_TO_ALL, TOKEN, Scene, heading, scene
 from tests.unit.web.test_routes import AT, knock_at_socket
-from timonel.gateway.configuration import Web
+from timonel.gateway.web_settings import Web
 from timonel.web.routes import STREAM
 
 API = "/signalk/v1/api"

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.unit.web.scene import scene
-from timonel.gateway.configuration import Web
+from timonel.gateway.web_settings import Web
 from timonel.web.tiles import SIZE_MAX, Tiles
 
 PNG = b"\x89PNG\r\n\x1a\n and a picture"
