@@ -1,5 +1,5 @@
-/* NMEA 0183 text to columns; see timonel/recording/sentence_lines.py, fast_nmea0183.py and coded_sentences.py, which say
-   what all of it means. Around the text there is room for a word to be read anywhere. */
+/* NMEA 0183 text to columns; see timonel/recording/nmea0183.py, sentence_lines.py, fast_nmea0183.py and
+   coded_sentences.py, which say what all of it means. Around the text there is room to read a word anywhere. */
 #include <float.h>
 
 #include "kernels.h"
@@ -9,6 +9,10 @@
 #endif
 
 enum { PADDING = 16 };
+
+static const i64 NO_STAMP = INT64_MIN;
+static const u64 WHOLE_POWERS[] = {1, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000};
+static const double POWERS[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8};
 
 static inline u64 first_bytes(u64 word, i64 count) { return count < 8 ? word & (((u64)1 << 8 * count) - 1) : word; }
 
@@ -49,36 +53,164 @@ static inline bool plain(const u8 *line, const u8 *end)
     return sum(line, end) == (line[0] ^ '*' ^ end[-2] ^ end[-1] ^ (hexadecimal(end[-2]) << 4 | hexadecimal(end[-1])));
 }
 
-/* (text, begin, end, behind, plain) -> None: where lines begin, where their characters end, where the next ones begin,
-   and which are plain sentences; int64, `plain` is uint8. */
+/* Up to fifteen digits behind those that `number` has; how many. */
+static inline int more_digits(const u8 *at, u64 *number)
+{
+    int count = 0;
+    for (; count < 15 && (u8)(at[count] - '0') < 10; count++)
+        *number = *number * 10 + (u64)(at[count] - '0');
+    return count;
+}
+
+/* Seconds, or milliseconds if they are very many, in ns, of which the reader of single lines keeps whole microseconds;
+   NO_STAMP if no recording can be of that time. */
+static inline i64 in_ns(double time)
+{
+    double seconds = time >= 1e11 ? time / 1000.0 : time;
+    if (seconds >= 8589934592.0)
+        return NO_STAMP;
+    volatile double product = seconds * 1e6; /* rounded before it is used */
+    double microseconds = product;
+    i64 whole = (i64)microseconds;
+    double rest = microseconds - (double)whole;
+    return (whole + (rest > 0.5 || (rest == 0.5 && (whole & 1)))) * 1000;
+}
+
+/* Where the sentence begins behind what ends a time, a blank or `;source;`; NULL if it is neither. */
+static inline const u8 *behind_source(const u8 *at, const u8 *end)
+{
+    if (*at == ' ')
+        return at + 1;
+    if (*at++ != ';')
+        return NULL;
+    while (at < end && *at >= ' ' && *at <= '~' && *at != ';' && *at != '$' && *at != '!' && *at != '\\')
+        at++;
+    return *at == ';' ? at + 1 : NULL;
+}
+
+/* Behind `1402160417499;N;` or `1402160417.499 `; NULL if it is nothing of the kind. */
+static inline const u8 *behind_count(const u8 *at, const u8 *end, i64 *stamp)
+{
+    u64 number = 0;
+    int digits = more_digits(at, &number), places = 0;
+    at += digits;
+    if (digits < 1 || digits == 11 || digits > 13)
+        return NULL;
+    if (digits <= 10 && *at == '.') {
+        places = more_digits(at + 1, &number);
+        at += 1 + places;
+        if (places < 1 || places > 8 || digits + places > 15)
+            return NULL;
+    }
+    *stamp = in_ns((double)(i64)number / POWERS[places]);
+    return *stamp == NO_STAMP ? NULL : behind_source(at, end);
+}
+
+static const int DAYS_BEFORE[] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334, 365};
+
+/* Days since 1970, up to 2099; -1 if there is no such day. */
+static inline i64 days_of(i64 day, i64 month, i64 year)
+{
+    if (month < 1 || month > 12 || year < 1970 || year > 2099)
+        return -1;
+    bool leap = year % 4 == 0;
+    i64 days = DAYS_BEFORE[month] - DAYS_BEFORE[month - 1] + (leap && month == 2);
+    if (day < 1 || day > days)
+        return -1;
+    return (year - 1970) * 365 + (year - 1969) / 4 + DAYS_BEFORE[month - 1] + (leap && month > 2) + day - 1;
+}
+
+/* Behind `2023-09-02T12:41:35.168Z `, or with a blank in it, without a fraction, without the Z; NULL if it is nothing
+   of the kind. */
+static inline const u8 *behind_date(const u8 *at, const u8 *end, i64 *stamp)
+{
+    if (end - at < 20)
+        return NULL;
+    u64 first = load8(at) ^ 0x2D30302D30303030u;                                   /* 0000-00- */
+    u64 second = load8(at + 8) ^ 0x30303A3030543030u ^ (u64)(at[10] == ' ' ? 'T' ^ ' ' : 0) << 16; /* 00T00:00 */
+    if (no_digits(first) | no_digits(second) | (first & 0xFF0000FF00000000u) | (second & 0x0000FF0000FF0000u))
+        return NULL;
+    u32 month = eight_digits(first), minutes = eight_digits(second); /* 2023 0 09 0, 02 0 12 0 41 */
+    i64 days = days_of(minutes / 1000000, month / 10 % 100, month / 10000);
+    i64 hour = minutes / 1000 % 100, minute = minutes % 100;
+    u64 seconds = 0, fraction = 0;
+    if (days < 0 || hour >= 24 || minute >= 60 || at[16] != ':' || more_digits(at + 17, &seconds) != 2 || seconds >= 60)
+        return NULL;
+    int places = at[19] == '.' ? more_digits(at + 20, &fraction) : 0;
+    at += at[19] == '.' ? 20 + places : 19;
+    if (at[-1] == '.' || places > 8)
+        return NULL;
+    i64 whole = ((days * 24 + hour) * 60 + minute) * 60 + (i64)seconds;
+    *stamp = in_ns((double)whole + (double)(i64)fraction / POWERS[places]);
+    return behind_source(at + (*at == 'Z'), end);
+}
+
+/* Behind a TAG block, `\s:gps,c:1319460666*44\`, whose time is a whole number or missing; NULL
+   if it is nothing of the kind. */
+static inline const u8 *behind_tag(const u8 *line, const u8 *end, i64 *stamp)
+{
+    const u8 *item = line + 1, *close = memchr(item, '\\', (size_t)(end - item));
+    if (!close || close - item < 4 || close[-3] != '*'
+        || sum(item, close - 3) != (hexadecimal(close[-2]) << 4 | hexadecimal(close[-1])))
+        return NULL;
+    for (const u8 *stop; item < close - 3; item = stop + 1) {
+        stop = memchr(item, ',', (size_t)(close - 3 - item));
+        stop = stop ? stop : close - 3;
+        if (item[0] != 'c' || item[1] != ':')
+            continue;
+        u64 number = 0;
+        int digits = more_digits(item + 2, &number);
+        *stamp = digits && item + 2 + digits == stop ? in_ns((double)(i64)number) : NO_STAMP;
+        return *stamp == NO_STAMP ? NULL : close + 1;
+    }
+    return close + 1;
+}
+
+/* Where the sentence of a line begins, and its time; NULL if it has none that is plain. */
+static inline const u8 *sentence_of(const u8 *line, const u8 *end, i64 *stamp)
+{
+    *stamp = NO_STAMP;
+    const u8 *begin = line;
+    if ((u8)(*line - '0') < 10)
+        begin = line[4] == '-' ? behind_date(line, end, stamp) : behind_count(line, end, stamp);
+    else if (*line == '\\')
+        begin = behind_tag(line, end, stamp);
+    return begin && plain(begin, end) ? begin : NULL;
+}
+
+/* (text, begin, end, behind, stamp, plain) -> None: where sentences, or other lines, begin, where their characters end,
+   where the next lines begin, the sentences' times, and which lines have a plain one; int64, `plain` is uint8. */
 PyObject *sentence_lines(PyObject *module, PyObject *arguments)
 {
-    PyObject *objects[5];
-    Py_buffer views[5];
+    PyObject *objects[6];
+    Py_buffer views[6];
     Buffers buffers;
     (void)module;
-    if (!PyArg_ParseTuple(arguments, "OOOOO", &objects[0], &objects[1], &objects[2], &objects[3], &objects[4])
-        || take_buffers(&buffers, views, objects, 5, 1))
+    if (!PyArg_ParseTuple(arguments, "OOOOOO", &objects[0], &objects[1], &objects[2], &objects[3], &objects[4],
+                          &objects[5])
+        || take_buffers(&buffers, views, objects, 6, 1))
         return NULL;
     i64 count = views[1].len / 8, line = 0;
     if (enough(&views[0], 2 * PADDING, 1, "text") || enough(&views[2], count, 8, "end")
-        || enough(&views[3], count, 8, "behind") || enough(&views[4], count, 1, "plain")) {
+        || enough(&views[3], count, 8, "behind") || enough(&views[4], count, 8, "stamp")
+        || enough(&views[5], count, 1, "plain")) {
         give_buffers_back(&buffers);
         return NULL;
     }
     const u8 *text = views[0].buf, *at = text + PADDING, *last = text + views[0].len - PADDING;
-    i64 *begin = views[1].buf, *end = views[2].buf, *behind = views[3].buf;
-    u8 *fine = views[4].buf;
+    i64 *begin = views[1].buf, *end = views[2].buf, *behind = views[3].buf, *stamp = views[4].buf;
+    u8 *fine = views[5].buf;
     Py_BEGIN_ALLOW_THREADS
     for (; line < count; line++) {
         const u8 *feed = memchr(at, '\n', (size_t)(last - at));
         if (!feed)
             break;
         const u8 *stop = feed > at && feed[-1] == '\r' ? feed - 1 : feed;
-        begin[line] = at - text;
+        const u8 *sentence = sentence_of(at, stop, &stamp[line]);
+        fine[line] = sentence != NULL;
+        begin[line] = (sentence ? sentence : at) - text;
         end[line] = stop - text;
         behind[line] = feed + 1 - text;
-        fine[line] = plain(at, stop);
         at = feed + 1;
     }
     Py_END_ALLOW_THREADS
@@ -225,8 +357,6 @@ typedef struct {
     bool negative;
 } Decimal;
 
-static const u64 WHOLE_POWERS[] = {1, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000};
-static const double POWERS[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8};
 static const double NOTHING = __builtin_nan("");
 
 /* The highest bit of each byte that is this one. */
@@ -313,7 +443,7 @@ static inline double degrees_of(double value)
 {
     double degrees = (double)(i64)(value / 100.0);
     degrees -= degrees * 100.0 > value;
-    double minutes = value - degrees * 100.0; /* exact */
+    double minutes = value - degrees * 100.0; /* the product is exact, fused or not */
     return minutes < 60.0 ? degrees + minutes / 60.0 : NOTHING;
 }
 
@@ -367,28 +497,15 @@ static void times_of_day(const Column *column, const Block *block, double *value
     }
 }
 
-static const int DAYS_BEFORE[] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334, 365};
-
-/* Days since 1970 of `ddmmyy`, 1980 to 2079; INT64_MIN if there is no such day. */
-static inline i64 days_of(i64 digits)
-{
-    i64 day = digits / 10000, month = digits / 100 % 100, year = digits % 100;
-    year += year >= 80 ? 1900 : 2000;
-    if (digits < 0 || month < 1 || month > 12)
-        return INT64_MIN;
-    bool leap = year % 4 == 0;
-    i64 days = DAYS_BEFORE[month] - DAYS_BEFORE[month - 1] + (leap && month == 2);
-    if (day < 1 || day > days)
-        return INT64_MIN;
-    return (year - 1970) * 365 + (year - 1969) / 4 + DAYS_BEFORE[month - 1] + (leap && month > 2) + day - 1;
-}
-
+/* `ddmmyy`, 1980 to 2079. */
 static void dates(const Column *column, const Block *block, i64 *values)
 {
     for (int row = 0; row < block->rows; row++) {
         Field text = field(block, column->wire, row);
-        values[row] = text.size == 6 ? days_of(six_digits(text.at)) : INT64_MIN;
-        block->odd[row] |= !empty(text) && values[row] == INT64_MIN;
+        i64 digits = text.size == 6 ? six_digits(text.at) : -1, year = digits % 100;
+        i64 days = digits < 0 ? -1 : days_of(digits / 10000, digits / 100 % 100, year + (year >= 80 ? 1900 : 2000));
+        values[row] = days < 0 ? INT64_MIN : days;
+        block->odd[row] |= !empty(text) && days < 0;
     }
 }
 

@@ -76,8 +76,9 @@ def item_places(
     """Where the items of each payload stand, and how many there are, which is returned for all; `at` becomes where they
     end."""
 
-def sentence_lines(text: Array, begin: Array, end: Array, behind: Array, plain: Array, /) -> None:
-    """Where lines begin, where their characters end, where the next ones begin, and which are plain sentences."""
+def sentence_lines(text: Array, begin: Array, end: Array, behind: Array, stamp: Array, plain: Array, /) -> None:
+    """Where sentences, or other lines, begin, where their characters end, where the next lines begin, the sentences'
+    times, and which lines have a plain one, alone or behind a time of usual shape."""
 
 def sentence_codes(text: Array, begin: Array, end: Array, by_hash: Array, letters: Array, codes: Array, /) -> None:
     """The number of each sentence's formatter, where `by_hash` tells the number of its letters; 0 for all others."""

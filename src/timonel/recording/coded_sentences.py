@@ -21,9 +21,8 @@ from timonel.recording.sentence_lines import Sentences
 
 Array = npt.NDArray[Any]
 Codes = npt.NDArray[np.uint16]
-_NUMBER, _SIGNED, _POSITION, _TIME_OF_DAY, _DATE, _INTEGER, _LETTER, _STATUS, _TEXT = range(
-    9
-)  # as in native/sentences.c
+# As in native/sentences.c.
+_NUMBER, _SIGNED, _POSITION, _TIME_OF_DAY, _DATE, _INTEGER, _LETTER, _STATUS, _TEXT = range(9)
 _VALID = {_INTEGER: np.bool_, _STATUS: np.bool_, _TEXT: np.intp}
 """What the kernel writes beside the values: where there are some; of texts, which begin at the values, their size."""
 

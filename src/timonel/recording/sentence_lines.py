@@ -1,8 +1,8 @@
 """The lines of an NMEA 0183 log, and which of them are plain sentences. Needs the extra `columns`.
 
-Plain is a line from `$` or `!` to a right check sum, of printable characters. Without a compiled kernel the check sum
-is the XOR of all characters before a place, taken at two places: one pass over the text, eight characters at a time,
-for all lines.
+Plain is a line from `$` or `!` to a right check sum, of printable characters; the compiled kernel also knows the usual
+times before one. Without it the check sum is the XOR of all characters before a place, taken at two places: one pass
+over the text, eight characters at a time, for all lines.
 """
 
 from typing import Any
@@ -79,13 +79,14 @@ class Sentences(msgspec.Struct, frozen=True, eq=False, gc=False):
 
 
 class LogLines(msgspec.Struct, frozen=True, eq=False, gc=False):
-    """Lines of a text between paddings: where each begins, where its characters end (before CR and LF), and where the
-    next one begins; and which are plain sentences."""
+    """Lines of a text between paddings: where each or its sentence begins, where its characters end (before CR and LF),
+    where the next one begins, the time before its sentence, and which have a plain one."""
 
     text: Text
     begin: Places
     end: Places
     behind: Places
+    stamp: Stamps
     plain: Flags
     commas: Commas | None
 
@@ -93,15 +94,14 @@ class LogLines(msgspec.Struct, frozen=True, eq=False, gc=False):
         return len(self.begin)
 
     def others(self) -> list[tuple[int, bytes]]:
-        """The place and the text, with its end, of each line that is no plain sentence."""
+        """The place and the text, with its end, of each line without a plain sentence."""
         places = np.flatnonzero(~self.plain)
         return list(zip(places.tolist(), cut(self.text, self.begin[places], self.behind[places]), strict=True))
 
     def sentences(self, before: int) -> Sentences:
         """The plain ones, behind so many lines of the log."""
         line = np.arange(before + 1, before + 1 + len(self))
-        stamp = np.full(len(self), NO_STAMP)
-        found = Sentences(self.text, self.begin, self.end, line, stamp, self.commas)
+        found = Sentences(self.text, self.begin, self.end, line, self.stamp, self.commas)
         return found if self.plain.all() else found[self.plain]
 
 
@@ -123,9 +123,9 @@ def lines_of(text: Text) -> LogLines:
 def _compiled(text: Text) -> LogLines:
     count = np.count_nonzero(text[LONGEST:-LONGEST] == _LINE_FEED)
     begin, end, behind = (np.empty(count, np.intp) for _ in range(3))
-    plain = np.empty(count, np.bool_)
-    native.kernels.sentence_lines(text, begin, end, behind, plain)
-    return LogLines(text, begin, end, behind, plain, None)
+    stamp, plain = np.empty(count, np.int64), np.empty(count, np.bool_)
+    native.kernels.sentence_lines(text, begin, end, behind, stamp, plain)
+    return LogLines(text, begin, end, behind, stamp, plain, None)
 
 
 def _interpreted(text: Text) -> LogLines:
@@ -136,7 +136,8 @@ def _interpreted(text: Text) -> LogLines:
     begin, behind = _behind(feeds, LONGEST), feeds + 1
     first = _behind(last, 0)
     end = np.maximum(feeds - (text.take(feeds - 1) == _RETURN), begin)
-    return LogLines(text, begin, end, behind, _plain(text, begin, end, behind), Commas(marks, first, last - first))
+    stamp, plain = np.full(len(begin), NO_STAMP), _plain(text, begin, end, behind)
+    return LogLines(text, begin, end, behind, stamp, plain, Commas(marks, first, last - first))
 
 
 def _behind(places: Places, start: int) -> Places:

@@ -22,10 +22,10 @@ def columns(*field: object, text=TEXT, begin=LONGEST, end=LONGEST + 17, wires=2,
 
 
 REFUSED = {
-    "a text without paddings": lambda: native.kernels.sentence_lines(bytes(31), *(place(0),) * 4),
-    "fewer lines": lambda: native.kernels.sentence_lines(TEXT, *(np.zeros(2, np.int64),) * 4),
-    "too few ends": lambda: native.kernels.sentence_lines(TEXT, place(0), bytearray(7), place(0), place(0)),
-    "too few flags": lambda: native.kernels.sentence_lines(TEXT, place(0), place(0), place(0), bytearray(0)),
+    "a text without paddings": lambda: native.kernels.sentence_lines(bytes(31), *(place(0),) * 5),
+    "fewer lines": lambda: native.kernels.sentence_lines(TEXT, *(np.zeros(2, np.int64),) * 5),
+    "too few ends": lambda: native.kernels.sentence_lines(TEXT, place(0), bytearray(7), *(place(0),) * 3),
+    "too few flags": lambda: native.kernels.sentence_lines(TEXT, *(place(0),) * 4, bytearray(0)),
     "codes before": lambda: native.kernels.sentence_codes(TEXT, place(-1), place(9), HASHES, place(0), place(0)),
     "codes behind": lambda: native.kernels.sentence_codes(TEXT, place(99), place(9), HASHES, place(0), place(0)),
     "few hashes": lambda: native.kernels.sentence_codes(TEXT, place(0), place(9), HASHES[1:], place(0), place(0)),

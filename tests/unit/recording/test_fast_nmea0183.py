@@ -7,6 +7,7 @@ import pytest
 
 from tests.unit.recording.sentences import by_formatter, compared, listed, sealed
 from timonel.errors import RecordingError
+from timonel.nmea0183.checksum import checksum
 from timonel.nmea0183.registry import SENTENCES
 from timonel.nmea0183.sentences import HDT
 from timonel.recording.fast_nmea0183 import open_sentences
@@ -86,6 +87,60 @@ LINES = [
 def test_a_line_that_is_no_plain_sentence_is_read_in_its_place(tmp_path, line):
     others = "".join(map(sealed, USUAL))
     compared(written(tmp_path, others, line, others, line, line, others))
+
+
+def tagged(block):
+    return f"\\{block}*{checksum(block.encode()):02X}\\"
+
+
+HEADS = [
+    "1402160417499;N;", "1402160417499 ", "140216041749;;", "000000000012;N;", "99999999999;N;", "9999999999999;N;",
+    "8589934591 ", "8589934592 ", "8589934592000;;", "8589934591999;;", "1402160417;gps 1;", "1402160417.499 ",
+    "0.5 ", "1402160417.4995555 ", "1402160417.49955555 ", "14021604.123456789 ", "12. ", "12", "12;", "12;N",
+    "12;N!;", "12;\\;", "12;\t;", "12;\xe9;", "12\t", "12  ", "12 gps ", "[12] ", "12.5.5 ", "-12 ", "12345678901 ",
+    "99999999999999 ", "2023-09-02T12:41:35.168Z ", "2023-09-02 12:41:35 ", "2023-09-02T12:41:35;x;",
+    "2023-09-02T12:41:35.168+00:00 ", "2024-02-29T23:59:59.999999Z ", "2023-02-29T00:00:00Z ",
+    "2000-02-29T00:00:00Z ", "1970-01-01T00:00:00 ", "1969-12-31T23:59:59 ", "2099-12-31T23:59:59.99999999Z ",
+    "2100-03-01T00:00:00Z ", "2242-03-16T12:56:32Z ", "2023-09-02T24:00:00Z ", "2023-09-02T12:60:00Z ",
+    "2023-09-02T12:41:60Z ", "2023-09-31T12:41:00Z ", "2023-00-02T12:41:00Z ", "2023-13-02T12:41:00Z ",
+    "2023-09-00T12:41:00Z ", "2023-09-02x12:41:00Z ", "2023-09-02T12-41:00Z ", "2023-09-02T12:41-00Z ",
+    "2023:09-02T12:41:00Z ", "2023-09:02T12:41:00Z ", "2023-09-02T12:41:35. ", "2023-09-02T12:41:35.Z ",
+    "2023-09-02T12:41:35.123456789Z ", "2023-09-02T12:41:3 ", "2023-09-02T12:41:355 ", "2023-09-02T12:41:35ZZ ",
+    "2023-09-02T12:41:35Z", "2023-", "2023-09-02T12:41", "202a-09-02 ", "12:41:35.168 ", "12:41:35 gps ",
+    tagged("c:1319460666"), tagged("s:gps,c:1319460666123,n:4"), tagged("g:1-2-3,s:r"), tagged("c:1.5"), tagged("c:"),
+    tagged("c:12x"), tagged("c:12x,c:13"), tagged("c,c:12"), tagged("c:12,c:13"), tagged("xc:12"), tagged(""),
+    tagged(","), tagged("s:$,c:12"), tagged("s:\t,c:12"), tagged("c:999999999999999"), tagged("c:9999999999999999"),
+    tagged("c:8589934592"), "\\c:12*00\\", "\\c:12*2a\\", "\\c:12*2A", "\\", "\\\\", "\\c:12\\", "\\*00\\",
+    "1" + tagged("c:12"), tagged("c:12") + " ", "#12 ", " ", "  12 ",
+]  # fmt: skip
+
+
+def test_a_time_before_a_sentence_is_read_in_any_shape(tmp_path):
+    sentences = [sealed("IIHDT,123.4,T"), sealed("IIZZZ,!", "!"), sealed("II$HDT,1,T"), "$IIHDT,123.4,T*00\n", "\n"]
+    lines = [head + sentence for head in HEADS for sentence in sentences]
+    compared(written(tmp_path, sealed("IIHDT,123.4,T") * 300, *lines))
+    compared(written(tmp_path, *(line.replace("\n", "\r\n") for line in [sealed("IIHDT,1,T") * 300, *lines])))
+
+
+def test_times_before_sentences_are_those_of_the_reader_of_single_lines(tmp_path):
+    draw = random.Random(10)
+    times = [f"{draw.randrange(10 ** draw.randrange(1, 14))}" for _ in range(3000)]
+    times += [
+        f"{draw.randrange(10 ** draw.randrange(1, 11))}.{draw.randrange(10 ** draw.randrange(1, 9))}" for _ in times
+    ]
+    heads = [time + draw.choice((" ", ";N;")) for time in times] + [tagged(f"c:{time}") for time in times]
+    compared(written(tmp_path, sealed("IIHDT,123.4,T") * 300, *(head + sealed("IIHDT,1,T") for head in heads)))
+
+
+def test_dates_before_sentences_are_those_of_the_reader_of_single_lines(tmp_path):
+    draw = random.Random(16)
+    heads = [
+        f"{draw.randrange(1968, 2103)}-{draw.randrange(14):02}-{draw.randrange(33):02}{draw.choice('T ')}"
+        f"{draw.randrange(25):02}:{draw.randrange(61):02}:{draw.randrange(61):02}"
+        f"{draw.choice(('', f'.{draw.randrange(10 ** draw.randrange(1, 10))}'))}{draw.choice(('', 'Z'))} "
+        for _ in range(8000)
+    ]
+    compared(written(tmp_path, sealed("IIHDT,123.4,T") * 300, *(head + sealed("IIHDT,1,T") for head in heads)))
 
 
 def test_the_last_line_may_lack_its_end(tmp_path):

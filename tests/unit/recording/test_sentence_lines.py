@@ -10,7 +10,8 @@ from tests.unit.recording.sentences import sealed
 from timonel import native
 from timonel.nmea0183.checksum import checksum
 from timonel.recording.fast_nmea0183 import open_sentences
-from timonel.recording.sentence_lines import LogLines, lines_of, padded
+from timonel.recording.frames import nanoseconds
+from timonel.recording.sentence_lines import LONGEST, LogLines, lines_of, padded
 
 
 def places(lines: LogLines) -> list[list[int]]:
@@ -66,3 +67,18 @@ def test_an_address_ends_where_its_sentence_does(tmp_path):
     path = tmp_path / "log"
     path.write_bytes((sealed("IIHDT,1,T") * 9 + sealed("A") + ",\n").encode())
     assert {table.formatter for table in open_sentences(path)} == {"HDT", "A"}
+
+
+@pytest.mark.parametrize(
+    ("head", "seconds"),
+    [
+        ("1402160417499;N;", 1402160417.499),
+        ("1402160417.25 ", 1402160417.25),
+        ("2023-09-02T12:41:35.5Z ", 1693658495.5),
+        ("\\c:1319460666*57\\", 1319460666.0),
+    ],
+)
+def test_a_kernel_reads_the_usual_times_before_a_sentence(head, seconds):
+    lines = lines_of(padded((head + sealed("IIHDT,123.4,T")).encode()))
+    assert (lines.plain.tolist(), lines.stamp.tolist()) == ([True], [nanoseconds(seconds)])
+    assert lines.begin.tolist() == [LONGEST + len(head)]
