@@ -29,7 +29,7 @@ BOAT_OUTPUT = OUTPUT | _FRAMES | shaping.KEYS
 INPUT: dict[str, Any] = {"url": str, "name": str} | shaping.HEARING_KEYS
 
 Values = Mapping[str, Any]
-Wrong = Callable[[str, str], object]
+Wrong = Callable[[str, str], None]
 
 
 class Station(msgspec.Struct, frozen=True):
