@@ -1,6 +1,6 @@
 """What speaks and listens: the tables `[[station]]`, `[[output]]` and `[[input]]` of a configuration, understood."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import msgspec
@@ -28,7 +28,7 @@ _FRAMES: dict[str, Any] = {
 BOAT_OUTPUT = OUTPUT | _FRAMES | shaping.KEYS
 INPUT: dict[str, Any] = {"url": str, "name": str} | shaping.HEARING_KEYS
 
-Values = Mapping[str, Any]
+Values = dict[str, Any]
 Wrong = Callable[[str, str], None]
 
 
