@@ -100,9 +100,9 @@ def output(place: str, given: Values, values: Values, wrong: Wrong) -> Output:
     for key in frames:
         if form is None:
             wrong(f"{place}.{key}", "is for frames; say with format which form they have")
-    for key in values:
-        if form is not None and key in shaping.KEYS:
-            wrong(f"{place}.{key}", "is for sentences; with a format there are frames alone")
+    for shaped in values:
+        if form is not None and shaped in shaping.KEYS:
+            wrong(f"{place}.{shaped}", "is for sentences; with a format there are frames alone")
     url = values.get("url", "")
     return Output(
         values.get("name") or url,
