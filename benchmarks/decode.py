@@ -34,6 +34,7 @@ from timonel.nmea2000.registry import is_fast
 from timonel.recording.assembly import Assembly
 from timonel.recording.candump import Candump
 from timonel.recording.chunks import open_frames
+from timonel.recording.decoded import Decoder, open_recording
 from timonel.recording.fast_nmea0183 import open_sentences
 from timonel.recording.frames import Frames, concatenate
 from timonel.recording.tables import CHUNK, Tables, decode_file, keep_memory
@@ -87,16 +88,20 @@ def from_file(path: Path) -> int:
     return sum(len(each.messages.row) for chunk in decode_file(path) for each in chunk)
 
 
-def objects(lines: list[str]) -> int:
-    """Lines to typed objects, those of single frames."""
-    read = Candump(lines[:1]).read
+def objects(path: Path) -> int:
+    """A recording to typed objects, as a program iterates over them; how many."""
+    return sum(message.value is not None for message in open_recording(path))
+
+
+def line_by_line(lines: list[str]) -> int:
+    """The same of lines that come one at a time."""
+    read, receive = Candump(lines[:1]).read, Decoder().receive
     count = 0
     for line in lines:
         frame = read(line)
         if frame is not None:
-            definition = finder(split(frame.identifier).pgn)(frame.data)
-            if definition is not None:
-                definition.decode(frame.data)
+            message = receive(frame)
+            if message is not None and message.value is not None:
                 count += 1
     return count
 
@@ -166,7 +171,11 @@ def works(folder: Path) -> Iterator[Work]:
     yield Work("frames to payloads by PGN", count, lambda: assembled(frames))
     yield Work("NumPy's own gather of the rows", count, gathered(frames))
     yield Work("NMEA 0183 text to columns", said, lambda: sentences(plaka), "pynmea2, a line")
-    yield Work("one line to a typed object, single frames", len(single), lambda: objects(single), "nmea2000, a line")
+    alone = folder / "single.candump"
+    alone.write_text("".join(f"{line}\n" for line in single))
+    yield Work("one line to a typed object, single frames", len(single), lambda: objects(alone), "nmea2000, a line")
+    yield Work("the same, line by line", len(single), lambda: line_by_line(single), "nmea2000, a line")
+    yield Work("a recording to typed objects, all PGNs, a frame", count, lambda: objects(candump), "nmea2000, a line")
     yield Work("one frame of fast packets, to typed objects", len(stream), lambda: streamed(stream), "nmea2000, a line")
     yield Work("nmea2000, a line", len(lines), lambda: nmea2000(lines))
     yield Work("pynmea2, a line", len(spoken), lambda: pynmea2_all(spoken))
