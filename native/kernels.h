@@ -13,6 +13,9 @@
 #if !defined(__BYTE_ORDER__) || __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "the kernels are for little-endian machines"
 #endif
+#if UINTPTR_MAX != UINT64_MAX
+#error "the kernels are for machines of 64 bits, on which places in NumPy's arrays have as many"
+#endif
 
 typedef uint8_t u8;
 typedef uint16_t u16;

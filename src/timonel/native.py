@@ -8,7 +8,7 @@ from os import environ
 try:
     if environ.get("TIMONEL_PURE"):
         raise ImportError
-    from timonel import _native as kernels
+    import timonel._native as kernels
 except ImportError:
     kernels = None  # type: ignore[assignment]
 
