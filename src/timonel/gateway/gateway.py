@@ -35,6 +35,7 @@ from timonel.core.effects import Effect, Event, Say, SayTo, Transmit
 from timonel.core.frame import Frame
 from timonel.gateway.health import Health
 from timonel.gateway.moment import moment
+from timonel.links.fan import Fan, is_fanned
 from timonel.links.link import BusLink, ByteLink, Link
 from timonel.links.shaped import Shaped
 from timonel.vehicles.vehicle import Vehicle
@@ -118,7 +119,9 @@ class Gateway:
         self.failed = asyncio.Event()
         """Set when there were too many faults; the gateway should be closed then."""
         self._flush_after = flush
-        self._outs = [channel.send for channel in channels if channel.send is not None]
+        outs = [channel.send for channel in channels if channel.send is not None]
+        self._fan = Fan([link for link in outs if is_fanned(link)])
+        self._apart = [link for link in outs if not is_fanned(link)]
         self._attached: list[tuple[ByteLink, Callable[[bytes], None]]] = []
         self._pending: list[Say] = []
         self._flush_timer: asyncio.TimerHandle | None = None
@@ -171,7 +174,7 @@ class Gateway:
     async def _open_bus(self) -> None:
         name = self.bus.name
         changed = partial(self._feed, name, self._link_changed, name)
-        await self.bus.open(partial(self._feed, name, self._frames_received), changed)
+        await self.bus.open(self._bus_heard, changed)
 
     async def _open_channel(self, channel: Channel) -> None:
         if channel.receive is not None:
@@ -199,6 +202,27 @@ class Gateway:
         await asyncio.gather(*(link.close(drain) for link in self.links))
 
     # In --------------------------------------------------------------------------------------------------
+
+    def _bus_heard(self, frames: list[Frame]) -> None:
+        """Once a wake-up: what `_feed` does with `_frames_received`, with fewer steps."""
+        if self._closing:
+            return
+        now = moment(self._loop.time())
+        if not self._guarded(self.bus.name, self._answer_frames, frames, now):
+            self._faulted(self.bus.name, now)
+
+    def _answer_frames(self, frames: list[Frame], now: float) -> None:
+        vehicle = self.vehicle
+        if self.observers or self.recorder is not None:
+            effects = self._frames_received(frames, now)
+        else:
+            effects = vehicle.receive_frames(frames, now)
+        if effects:
+            if self.recorder is not None:
+                self._record(self.recorder.answered, effects, now)
+            self._carry_out(effects, now)
+        if (deadline := vehicle.deadline) < self._armed_for:
+            self._arm(deadline)
 
     def _frames_received(self, frames: list[Frame], now: float) -> list[Effect]:
         if self.observers:
@@ -249,9 +273,7 @@ class Gateway:
             return
         now = self.now
         if not self._guarded(source, self._tell, tell, what, now):
-            if self.recorder is not None:
-                self._record(partial(self.recorder.note, source=source), "Fault", now)
-            self._fault(now)
+            self._faulted(source, now)
 
     def _tell(self, tell: Callable[..., list[Effect]], what: Sequence[Any], now: float) -> None:
         if effects := tell(*what, now):
@@ -287,7 +309,9 @@ class Gateway:
         self._armed_for = deadline
         self._deadline_timer = self._loop.call_at(max(deadline, self._loop.time() + SOONEST), self._expire)
 
-    def _fault(self, now: float) -> None:
+    def _faulted(self, source: str, now: float) -> None:
+        if self.recorder is not None:
+            self._record(partial(self.recorder.note, source=source), "Fault", now)
         self._faults.append(now)
         if len(self._faults) == FAULTS and now - self._faults[0] < FAULT_WINDOW:
             logger.critical("%d faults within %g s: giving up", FAULTS, FAULT_WINDOW)
@@ -313,23 +337,22 @@ class Gateway:
         if urgent:
             self._send(urgent)
         if self._pending:
-            self._flush_in_time()
+            if not self._flush_after:
+                self._flush()
+            elif self._flush_timer is None:
+                self._flush_timer = self._loop.call_later(self._flush_after, self._flush)
         if self.observers:
             self._show(partial(_show_effects, effects, now))
 
-    def _flush_in_time(self) -> None:
-        if not self._flush_after:
-            self._flush()
-        elif self._flush_timer is None:
-            self._flush_timer = self._loop.call_later(self._flush_after, self._flush)
-
     def _flush(self) -> None:
         self._flush_timer = None
-        lines, self._pending = self._pending, []
-        self._send(lines)
+        if lines := self._pending:
+            self._pending = []
+            self._send(lines)
 
     def _send(self, lines: list[Say]) -> None:
-        for link in self._outs:
+        self._fan.send(lines)
+        for link in self._apart:
             link.send(lines)
 
     def _say_to(self, order: SayTo) -> None:

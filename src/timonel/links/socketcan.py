@@ -1,7 +1,8 @@
 """`socketcan://can0`: a CAN interface of the Linux kernel, by a raw socket on the loop.
 
-Frames are drained up to 64 a wake-up. What the kernel has no room for is dropped and counted: it waits for
-a bus that does not acknowledge, and a late command is a wrong one. The controller's error frames are
+Frames are drained up to 64 a wake-up; where they come one by one they are mostly taken so, for to find that
+there is no other one costs more than to take one. What the kernel has no room for is dropped and counted: it
+waits for a bus that does not acknowledge, and a late command is a wrong one. The controller's error frames are
 counted and its state is told by `changed`. An interface that goes down says so once and is silent from then
 on, so its flags are looked at every 0.5 s, together with the number of frames that we took too late. Bit
 rate and restart after bus-off are set on the interface (`ip link set can0 up type can bitrate 250000
@@ -21,10 +22,12 @@ from timonel.core.frame import Frame
 from timonel.links.kept import Kept, text_of
 
 CAN_FRAME = struct.Struct("=IB3x8s")
+FRAME_SIZE = CAN_FRAME.size
 EXTENDED, REMOTE, ERROR = 0x8000_0000, 0x4000_0000, 0x2000_0000
 IDENTIFIER, ERROR_CLASS = 0x1FFF_FFFF, 0x1FFF_FFFF
 CAN_RAW_ERR_FILTER = 2
 BATCH = 64
+ONE_BY_ONE = 4  # wake-ups that take one frame each after one that found no other
 RECEIVE_BUFFER = 1 << 20
 WATCH = 0.5
 
@@ -102,6 +105,7 @@ class SocketCanLink(Kept[list[Frame]]):
         self._watch: asyncio.TimerHandle | None = None
         self._off = False
         self._overrun = 0
+        self._one_by_one = 0
 
     async def _connect(self) -> None:
         can = self._make(self.channel)
@@ -138,15 +142,16 @@ class SocketCanLink(Kept[list[Frame]]):
         receive = self._socket.recv
         unpack = CAN_FRAME.unpack
         frames: list[Frame] = []
+        self._one_by_one -= 1
         try:
-            for _ in range(BATCH):
-                identifier, size, data = unpack(receive(CAN_FRAME.size))
+            for _ in range(BATCH if self._one_by_one < 0 else 1):
+                identifier, size, data = unpack(receive(FRAME_SIZE))
                 if identifier & (REMOTE | ERROR):
                     self._receive_other(identifier, data)
                 else:
                     frames.append(Frame(identifier & IDENTIFIER, data[:size], identifier >= EXTENDED))
         except BlockingIOError:
-            pass
+            self._one_by_one = ONE_BY_ONE if len(frames) == 1 else 0
         except OSError as fault:
             self._fail(fault)
         if frames:

@@ -16,8 +16,10 @@ from functools import partial
 
 from timonel.core.effects import Say
 from timonel.links.backlog import URGENT_MAX
+from timonel.links.fan import Fan, Send
 from timonel.links.kept import Kept, text_of
 from timonel.links.lines import WholeLines
+from timonel.links.link import Counters
 from timonel.links.tcp import prepare
 from timonel.links.wire import Wire
 
@@ -42,6 +44,7 @@ class TcpListenLink(Kept[bytes]):
         """See `Wire`."""
         self.greeting: Callable[[], bytes] | None = None
         """What every reader is told first."""
+        self.fan: Fan | None = None
         self._speaker: int | None = None
         self._voice: int | None = None
         self._voice_heard = 0.0
@@ -56,6 +59,12 @@ class TcpListenLink(Kept[bytes]):
             return None
         host, port = self._server.getsockname()[:2]
         return host, port
+
+    @property
+    def counters(self) -> Counters:
+        if self.fan is not None:
+            self.fan.settle()
+        return super().counters
 
     async def _connect(self) -> None:
         found = await self._loop.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
@@ -113,9 +122,10 @@ class TcpListenLink(Kept[bytes]):
             urgent_max=self.urgent_max,
             stale_after=self.stale_after,
         )
+        self._readers[fd].fan = self.fan
         if self.greeting is not None:
             self._readers[fd].send([Say(self.greeting(), "", urgent=True)])
-        self._tell_readers()
+        self._readers_changed()
 
     def _hear(self, fd: int, lines: WholeLines, data: bytes) -> None:
         if whole := lines.receive(data):
@@ -143,14 +153,21 @@ class TcpListenLink(Kept[bytes]):
     def _leave(self, fd: int, _reason: str) -> None:
         if reader := self._readers.pop(fd, None):
             reader.close()
-            self._tell_readers()
+            self._readers_changed()
         if fd == self._voice:
             self._voice = None
             self._tell(False, "who spoke has left")
 
-    def _tell_readers(self) -> None:
+    def _readers_changed(self) -> None:
+        if self.fan is not None:
+            self.fan.changed()
         if not self.raw:
             self._tell(True, f"readers: {len(self._readers)}" if self._readers else "")
+
+    def outlets(self) -> tuple[Sequence[Wire], Sequence[Send]]:
+        """See `timonel.links.fan`."""
+        readers = self._readers.values()
+        return [reader for reader in readers if reader.ready], [reader.send for reader in readers if not reader.ready]
 
     def send(self, lines: Sequence[Say]) -> None:
         for reader in self._readers.values():
@@ -175,3 +192,5 @@ class TcpListenLink(Kept[bytes]):
         self._voice = None
         while self._readers:
             self._readers.popitem()[1].close()
+        if self.fan is not None:
+            self.fan.changed()

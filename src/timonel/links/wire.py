@@ -13,6 +13,7 @@ from typing import TypeVar
 
 from timonel.core.effects import Say
 from timonel.links.backlog import URGENT_MAX, Backlog
+from timonel.links.fan import Fan, Send
 from timonel.links.kept import Kept, text_of
 from timonel.links.link import Counters
 
@@ -47,17 +48,20 @@ class Wire:
         stale_after: float | None = None,
     ) -> None:
         os.set_blocking(fd, False)
-        self._fd = fd
+        self.fd = fd
+        self.tally = tally
+        self.fan: Fan | None = None
+        """What writes to it instead of us while it is ready."""
         self._receive = receive
         self._lost = lost
         self._release = release
-        self._tally = tally
         self._room = room
         self._stale_after = stale_after
         self._backlog = Backlog(tally, urgent_max=urgent_max)
         self._broken = False
         self._closed = False
-        self._ready = room is None  # nothing waits, and room need not be asked for
+        self.ready = room is None
+        """Whether nothing waits, and room need not be asked for."""
         self._moved = 0.0
         self._retry: asyncio.TimerHandle | None = None
         self._loop = asyncio.get_running_loop()
@@ -70,7 +74,7 @@ class Wire:
 
     # Once a batch and link: what is ready costs one write and little else.
     def send(self, lines: Sequence[Say]) -> None:
-        if self._ready and lines:
+        if self.ready and lines:
             self._send_now(lines[0].line if len(lines) == 1 else b"".join([say.line for say in lines]), lines)
         else:
             self._send_unready(lines)
@@ -78,12 +82,21 @@ class Wire:
     def _send_now(self, data: bytes, lines: Sequence[Say]) -> None:
         written = self._write(data)
         if written != len(data):
-            self._backlog.keep(lines, written)
-            self._wait_for_room()
+            self.keep(lines, written)
+
+    def keep(self, lines: Sequence[Say], written: int) -> None:
+        """Only the first `written` bytes of `lines` went out; nothing may be waiting."""
+        self._backlog.keep(lines, written)
+        self._wait_for_room()
+
+    def _set_ready(self, ready: bool) -> None:
+        self.ready = ready
+        if self.fan is not None:
+            self.fan.changed()
 
     def _send_unready(self, lines: Sequence[Say]) -> None:
         if self._broken:
-            self._tally.dropped += len(lines)
+            self.tally.dropped += len(lines)
         elif self._backlog:
             self._backlog.add(lines)
         elif self._room is not None and lines:
@@ -100,22 +113,25 @@ class Wire:
 
     def _write(self, data: bytes) -> int:
         try:
-            written = os.write(self._fd, data)
-        except BlockingIOError:
-            return 0
+            written = os.write(self.fd, data)
         except OSError as fault:
-            self._break(text_of(fault))
-            return 0
-        self._tally.bytes_out += written
+            return self.refused(fault)
+        self.tally.bytes_out += written
         return written
+
+    def refused(self, fault: OSError) -> int:
+        """A write failed: 0 bytes went out. If it was not for want of room, the wire is broken now."""
+        if not isinstance(fault, BlockingIOError):
+            self._break(text_of(fault))
+        return 0
 
     def _wait_for_room(self) -> None:
         if self._broken:
             return
         self._moved = self._loop.time()
         if self._room is None:
-            self._ready = False
-            self._loop.add_writer(self._fd, self._flush)
+            self._set_ready(False)
+            self._loop.add_writer(self.fd, self._flush)
         else:
             self._retry = self._loop.call_later(RETRY, self._flush)
 
@@ -130,14 +146,14 @@ class Wire:
         if self._broken:
             return
         if not self._backlog:
-            self._ready = self._room is None
-            self._loop.remove_writer(self._fd)
+            self._set_ready(self._room is None)
+            self._loop.remove_writer(self.fd)
         elif self._room is not None:
             self._retry = self._loop.call_later(RETRY, self._flush)
 
     def _readable(self) -> None:
         try:
-            data = os.read(self._fd, READ_AT_ONCE)
+            data = os.read(self.fd, READ_AT_ONCE)
         except BlockingIOError:
             return
         except OSError as fault:
@@ -149,7 +165,7 @@ class Wire:
             self._break("closed by the other side")
 
     def _hear(self, data: bytes) -> None:
-        self._tally.bytes_in += len(data)
+        self.tally.bytes_in += len(data)
         self._receive(data)
 
     def _break(self, reason: str) -> None:
@@ -163,15 +179,15 @@ class Wire:
             return
         with suppress(OSError):
             for _ in range(LAST_WORDS):
-                if data := os.read(self._fd, READ_AT_ONCE):
+                if data := os.read(self.fd, READ_AT_ONCE):
                     self._hear(data)
         self._lost(reason)
 
     def _stop(self) -> None:
         self._broken = True
-        self._ready = False
-        self._loop.remove_reader(self._fd)
-        self._loop.remove_writer(self._fd)
+        self._set_ready(False)
+        self._loop.remove_reader(self.fd)
+        self._loop.remove_writer(self.fd)
         if self._retry is not None:
             self._retry.cancel()
 
@@ -209,6 +225,30 @@ class Port(Wired[bytes]):
     """A port over one wire. With `stale_after` it sends nothing that had to wait longer; see `Wire`."""
 
     stale_after: float | None = None
+    fan: Fan | None = None
+
+    @property
+    def counters(self) -> Counters:
+        if self.fan is not None:
+            self.fan.settle()
+        return super().counters
+
+    async def _connect(self) -> None:
+        await super()._connect()
+        if self.fan is not None:
+            assert self._wire is not None
+            self._wire.fan = self.fan
+            self.fan.changed()
+
+    async def _disconnect(self) -> None:
+        await super()._disconnect()
+        if self.fan is not None:
+            self.fan.changed()
+
+    def outlets(self) -> tuple[Sequence[Wire], Sequence[Send]]:
+        """See `timonel.links.fan`."""
+        wire = self._wire
+        return ((), (self.send,)) if wire is None or not wire.ready else ((wire,), ())
 
     def send(self, lines: Sequence[Say]) -> None:
         if self._wire is None:

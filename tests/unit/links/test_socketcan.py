@@ -73,6 +73,47 @@ def test_what_has_piled_up_comes_in_batches_of_at_most_64():
     asyncio.run(session())
 
 
+class Asked(socket.socket):
+    """Counts how often it is asked for a frame."""
+
+    times = 0
+
+    def recv(self, *size):
+        self.times += 1
+        return super().recv(*size)
+
+
+def test_frames_that_come_one_by_one_are_asked_for_little_more_than_once_each():
+    async def session():
+        near, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        asked = Asked(fileno=near.detach())
+        link, ear = SocketCanLink("lo", make=lambda _: asked), Ear()
+        await link.open(ear.receive_frames, ear.changed)
+        for number in range(50):
+            far.send(pack(Frame(number, b"")))
+            await until(lambda expected=number + 1: len(ear.frames) == expected)
+        assert [frame.identifier for frame in ear.frames] == list(range(50))
+        assert asked.times == 60
+        await link.close()
+        far.close()
+
+    asyncio.run(session())
+
+
+def test_what_has_piled_up_behind_frames_that_came_one_by_one_comes_in_batches_again():
+    async def session():
+        async with opened() as (bus, _, ear):
+            bus.far.send(pack(Frame(0, b"")))
+            await until(lambda: ear.frames)
+            for number in range(1, 100):
+                bus.far.send(pack(Frame(number, b"")))
+            await until(lambda: len(ear.frames) == 100)
+            assert [frame.identifier for frame in ear.frames] == list(range(100))
+            assert ear.batches == 1 + 4 + 2
+
+    asyncio.run(session())
+
+
 def test_remote_frames_are_counted_and_passed_over():
     async def session():
         async with opened() as (bus, link, ear):

@@ -561,30 +561,31 @@ HEAR: dict[type[Message], Hear] = {
 """Every message that is listened to, and how."""
 
 
-class Stream:
+class Stream(Pace):
     """One line of the table at work: builds the sentence when its ceiling allows."""
 
-    __slots__ = ("_build", "_clocked", "_key", "_pace", "_standard", "_talker")
+    __slots__ = ("_build", "_clocked", "_key", "_standard", "_talker")
 
     def __init__(self, conversion: Conversion, rate: float, dialect: str) -> None:
+        super().__init__(1 / rate)
         self._build = conversion.build
         self._key = conversion.key
-        self._pace = Pace(1 / rate)
         self._talker = conversion.talker
         self._standard = dialect == "standard"
         self._clocked = conversion.clocked and rate <= 1
 
     def say(self, truth: Truth, message: Message, now: float) -> Say | None:
-        """The sentence that `message` brings about, if there is one. Raises EncodeError for an absurd value."""
-        if now < self._pace.opens:
-            return None
+        """The sentence that `message` brings about, if there is one. Raises EncodeError for an absurd value.
+
+        Asked only when the ceiling is open.
+        """
         if self._clocked and type(message) not in CLOCK and truth.clock_at(now) is not None:
             return None
         sentence = self._build(truth, message, now)
         if sentence is None:
             return None
         line = sentence.encode(self._talker) if self._standard else encode_ar10(sentence, self._talker)
-        self._pace.count(now)
+        self.count(now)
         return Say(line, self._key)
 
 
@@ -613,6 +614,8 @@ class Converter:
         if not hear(truth, message, source, now):
             return effects, False
         for stream in streams:
+            if now < stream.opens:
+                continue
             try:
                 say = stream.say(truth, message, now)
             except EncodeError as error:

@@ -205,7 +205,8 @@ class Truth:
         """
         heading, variation = message.heading, message.variation
         if variation is None:
-            variation = self.variation(now)
+            if self._model is not None or now - self.told_variation._heard < self._age:
+                variation = self.variation(now)
         else:
             self.told_variation.offer(variation, now, source, rank=1)
         if heading is None:
@@ -389,13 +390,13 @@ class Truth:
 
     def magnetic_heading(self, now: float) -> float | None:
         """0..2 pi: from a magnetic compass, else from a true one and the variation."""
-        heading = self.magnetic.at(now, self._age)
-        return None if heading is None else heading.angle
+        datum = self.magnetic
+        return datum.value.angle if now - datum._heard < self._age and datum.value is not None else None
 
     def true_heading(self, now: float) -> float | None:
         """0..2 pi: as told, else from the magnetic one by its own variation, by 127258, by the model."""
-        heading = self.true.at(now, self._age)
-        return None if heading is None else heading.angle
+        datum = self.true
+        return datum.value.angle if now - datum._heard < self._age and datum.value is not None else None
 
     def to_true(self, angle: Angle, reference: HeadingReference | None, now: float) -> Angle:
         """A direction counted from `reference` as a true one; None where that cannot be known."""
@@ -413,20 +414,23 @@ class Truth:
 
     def rudder_angle(self, now: float) -> float | None:
         """Starboard positive."""
-        return self.rudder.at(now, self._age)
+        datum = self.rudder
+        return datum.value if now - datum._heard < self._age else None
 
     def position_at(self, now: float) -> tuple[float, float] | None:
         """Latitude and longitude in degrees."""
-        return self.position.at(now, self._age)
+        datum = self.position
+        return datum.value if now - datum._heard < self._age else None
 
     def method_at(self, now: float) -> GnssMethod | None:
         """How the position was found, if somebody tells."""
-        fix = self.fix.at(now, self._age)
-        return None if fix is None else fix.method
+        datum = self.fix
+        return datum.value.method if now - datum._heard < self._age and datum.value is not None else None
 
     def clock_at(self, now: float) -> Clock | None:
         """UTC of the last reading, if it may still go with a position of `now`."""
-        return self.clock.at(now, TIME_AGE)
+        datum = self.clock
+        return datum.value if now - datum._heard < TIME_AGE else None
 
     def cross_track_at(self, now: float) -> CrossTrackError | None:
         return self.cross_track.at(now, self._age)

@@ -180,7 +180,8 @@ class Boat:
 
     def receive_frames(self, frames: Sequence[Frame], now: float) -> list[Effect]:
         """Frames came in from the bus. Runs once a wake-up and its loop once a frame: written for speed."""
-        effects = self._overdue(now)
+        due = self._due
+        effects: list[Effect] = [] if due is not None and now < due else self._overdue(now)
         heard = False
         routes = self._routes
         for frame in frames:
@@ -198,7 +199,8 @@ class Boat:
                 continue
             message = route.decode(data)
             if message is not None:
-                effects += self._listen(message, route.source, now)
+                said = self._listen(message, route.source, now)
+                effects = effects + said if effects else said
         if heard and (back := self.helm.pilot.bus_heard(now)):
             return self._tell(back, now) + self._network(self.node.bus_back(now), now) + effects
         return effects
@@ -271,9 +273,10 @@ class Boat:
         if kind not in HEAR:
             return self._ais.say(message, now) if kind in AIS else self._hear_device(message, source, now)
         said, taken = self._converter.receive(message, source, now)
-        if isinstance(message, VesselHeading) and taken and (events := self._heading_heard(message, now)):
-            return [*said, *self._tell(events, now)]
-        if kind is HeadingTrackControl:
+        if kind is VesselHeading:
+            if taken and (events := self._heading_heard(message, now)):  # type: ignore[arg-type]
+                return [*said, *self._tell(events, now)]
+        elif kind is HeadingTrackControl:
             return [*said, *self._hear_device(message, source, now)]
         return said
 
