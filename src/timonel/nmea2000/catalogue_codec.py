@@ -268,7 +268,8 @@ class _Source:
         field, number = part.field, self.numbers[part.field.id]
         if field.kind == "DYNAMIC_FIELD_VALUE":
             key, length = self._keyed(field)
-            return [f" size, value = keyed_{number}[{key}, {length}]", *self._keyed_lines(number)]
+            kind = f"keyed_{number}[{key}, {length}]"
+            return [f" size, value = {kind}", " first, at = at, at + size", *self._keyed_lines(number)]
         self.scope[f"tail_{number}"] = tail_reader(self.definition, field, self.flavour)
         context = f", v{self.numbers[field.length]}" if field.length else ""
         return [f" v{number}, at = tail_{number}(data, at{context})"]
@@ -282,12 +283,12 @@ class _Source:
         return f"r{self.numbers[key.id]}" if key else "None", f"v{self.numbers[length.id]}" if length else "None"
 
     def _keyed_lines(self, number: int) -> list[str]:
+        """Lines that read the value between `first` and `at`, if it is there whole."""
         return [
-            " if value is not None and at + size <= end:",
-            f"  v{number} = value(data, at)",
-            "  at += size",
+            " if value is not None and at <= end:",
+            f"  v{number} = value(data, first)",
             " else:",
-            f"  v{number}, at = octets(data, at, size)",
+            f"  v{number}, at = octets(data, first, size)",
         ]
 
     def _repeated_lines(self, part: Repeated) -> list[str]:
@@ -306,12 +307,14 @@ class _Source:
         if len(part.parts) == 1 and isinstance(part.parts[0], Run) and self._is_words(part.parts[0]):
             return self._fixed_items(part.parts[0], part.least, name, count)
         order = [f"v{number}" for number in range(group.first, group.end) if not self.definition.fields[number].silent]
+        counted = bool(group.counter)  # if not they go on to the end: each takes at least a byte
         return [
-            f" {name}, left = [], {count}",
-            f" while left > 0 and at + {part.least} <= end:",
+            f" {name} = []",
+            *[f" left = {count}"] * counted,
+            f" while {'left > 0 and ' * counted}at + {part.least} <= end:",
             *_inside(self._item_lines(part)),
             f"  {name}.append(cls_{name}({', '.join(order)}))",
-            "  left -= 1",
+            *["  left -= 1"] * counted,
             f" {name} = {name} or None",
         ]
 
@@ -324,8 +327,8 @@ class _Source:
                 known = [*names, f"*keyed_{number}[{key}, {length}]"]
                 self.lines += [f"def head_{number}(data, at=0):", *self._run_lines(head), f" return {_tuple(known)}"]
                 self.lines += [f"heads_{number} = Table(head_{number})"]
-                found, heads = _tuple([*names, "size", "value"]), f"heads_{number}[data[at : at + {size}]]"
-                return [f" {found} = {heads}", f" at += {size}", *self._keyed_lines(number)]
+                found = f" {_tuple([*names, 'size', 'value'])} = heads_{number}[data[at:first]]"
+                return [f" first = at + {size}", found, " at = first + size", *self._keyed_lines(number)]
         return [line for one in part.parts for line in self._part(one)]
 
     def _fixed_items(self, part: Run, least: int, name: str, count: str) -> list[str]:
