@@ -14,7 +14,7 @@ from timonel.nmea2000.fastpacket import FastPacketCounters
 from timonel.nmea2000.schedule import FAST, FAST_RANGES
 from timonel.recording.assembly import PACE, Assembly, Group
 from timonel.recording.chunks import FrameReader
-from timonel.recording.decoded import Decoder, Message, OwnMessage, made
+from timonel.recording.decoded import ADDRESSES, Decoder, Message, OwnMessage, made
 from timonel.recording.formats import LogReader
 from timonel.recording.frames import EXTENDED, NO_STAMP, Frames, Identifiers, Stamps
 from timonel.recording.part import STANDARD, Lengths, Payloads, pgns_of
@@ -23,6 +23,7 @@ CHUNK = 1 << 14
 """Frames at a time: enough that what is done once for all of them costs little, few enough for a processor's cache."""
 
 Rows = npt.NDArray[np.int64]
+Times = list[float | None]
 
 
 class Lot(msgspec.Struct, frozen=True, eq=False):
@@ -50,11 +51,34 @@ class Messages:
     def counters(self) -> FastPacketCounters:
         return self._assembly.counters
 
+    # Once a message: all in one generator, for each one in another costs as much as the message.
     def __iter__(self) -> Iterator[Message | OwnMessage]:
         for frames in self._frames:
-            first = self._assembly.frames
-            groups = self._assembly.receive(frames)
-            yield from self._messages(_ordered([self._single(frames, first), *map(_lot, groups)]))
+            lot = self._lot(frames)
+            times, identifiers = self._times(lot.stamp), lot.identifier.tolist()
+            if not np.all(lot.identifier >= EXTENDED):
+                yield from self._with_own(lot, times, identifiers)
+                continue
+            for time, identifier, data in zip(times, identifiers, lot.data, strict=True):
+                priority, pgn, source, destination, _, definition, find = ADDRESSES[identifier]
+                yield Message(time, priority, source, destination, pgn, data, find(data) if find else definition)
+
+    def _with_own(self, lot: Lot, times: Times, identifiers: list[int]) -> Iterator[Message | OwnMessage]:
+        """The messages of a bus that a rover is on."""
+        now = np.where(lot.stamp == NO_STAMP, lot.row * PACE, lot.stamp).tolist()
+        for row, time, identifier, data in zip(now, times, identifiers, lot.data, strict=True):
+            if identifier < EXTENDED:
+                message = self._decoder.own(time, identifier, data, row)
+                if message is not None:
+                    yield message
+            else:
+                yield made(time, identifier, data)
+
+    def _lot(self, frames: Frames) -> Lot:
+        """The messages that these frames complete, in their order."""
+        first = self._assembly.frames
+        groups = self._assembly.receive(frames)
+        return _ordered([self._single(frames, first), *map(_of_group, groups)])
 
     def _single(self, frames: Frames, first: int) -> Lot:
         """The frames that are messages, those of a rover, too; `first` is the row of the first of all."""
@@ -66,24 +90,11 @@ class Messages:
             data[row] = some.payload(row)
         return Lot(place + first, some.stamp, some.identifier, data)
 
-    def _messages(self, lot: Lot) -> Iterator[Message | OwnMessage]:
-        times, identifiers = self._times(lot.stamp), lot.identifier.tolist()
-        if np.all(lot.identifier >= EXTENDED):
-            return map(made, times, identifiers, lot.data)
-        now = np.where(lot.stamp == NO_STAMP, lot.row * PACE, lot.stamp).tolist()
-        found = map(self._any, times, identifiers, lot.data, now)
-        return (message for message in found if message is not None)
-
-    def _any(self, time: float | None, identifier: int, data: bytes, now: int) -> Message | OwnMessage | None:
-        if identifier >= EXTENDED:
-            return made(time, identifier, data)
-        return self._decoder.own(time, identifier, data, now)
-
-    def _times(self, stamp: Stamps) -> list[float | None]:
+    def _times(self, stamp: Stamps) -> Times:
         """Unix seconds: the same quotients as where frames are read one by one."""
         if not self._dated:
             return [None] * len(stamp)
-        times: list[float | None] = (stamp // self._tick / self._second).tolist()
+        times: Times = (stamp // self._tick / self._second).tolist()
         for place in np.flatnonzero(stamp == NO_STAMP).tolist():
             times[place] = None
         return times
@@ -98,7 +109,7 @@ def _fast() -> npt.NDArray[np.bool_]:
     return fast
 
 
-def _lot(group: Group) -> Lot:
+def _of_group(group: Group) -> Lot:
     return Lot(group.row, group.stamp, group.identifier | np.uint32(EXTENDED), _cells(group.payloads, group.lengths))
 
 

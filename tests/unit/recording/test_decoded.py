@@ -5,6 +5,9 @@ import pytest
 import timonel
 from tests.recordings import recording
 from timonel.errors import RecordingError
+from timonel.nmea2000.fastpacket import fragment
+from timonel.nmea2000.identifier import join
+from timonel.recording import LogFrame, decoded
 from timonel.recording.decoded import open_recording
 
 SAMPLES = "canboat_canboat/samples"
@@ -51,3 +54,33 @@ def test_frames_of_a_rover_are_messages_too(tmp_path):
         {"front", "middle", "rear"},
     )
     assert (unknown.name, unknown.fields, unknown.data) == (None, {}, b"\1")
+
+
+def test_no_more_identifiers_are_kept_than_a_bus_can_have_in_use(monkeypatch):
+    monkeypatch.setattr(decoded, "MOST_IDENTIFIERS", 3)
+    addresses = decoded.Addresses()
+    identifiers = [join(2, 127250, source) for source in range(9)] * 2
+    assert [addresses[identifier][2] for identifier in identifiers] == list(range(9)) * 2
+    assert len(addresses) <= 3
+
+
+def test_frames_without_times_come_a_millisecond_after_the_one_before():
+    track = [LogFrame(None, join(2, 127237, 5), frame) for frame in fragment(bytes(13), 1)]
+    other = LogFrame(None, join(2, 127250, 5), bytes(8))
+    late = [frame for part in track for frame in [part, *[other] * 99]]
+    assert [message.pgn for message in messages(late) if message.pgn == 127237] == [127237]
+    too_late = [frame for part in track for frame in [part, *[other] * 100]]
+    assert {message.pgn for message in messages(too_late)} == {127250}
+
+
+def test_frames_without_times_go_on_from_the_last_one_that_has_a_time():
+    first, *others = fragment(bytes(21), 1)
+    identifier = join(2, 127237, 5)
+    rest = [LogFrame(None, identifier, frame) for frame in others]
+    (message,) = messages([LogFrame(1_700_000_000.0, identifier, first), *rest])
+    assert (message.pgn, message.time, message.data) == (127237, None, bytes(21))
+
+
+def messages(frames):
+    decoder = decoded.Decoder()
+    return [message for frame in frames if (message := decoder.receive(frame)) is not None]
