@@ -2,12 +2,12 @@
 
        {"time": 1669809600.001488, "priority": 2, "source": 204, "destination": 255, "pgn": 127250, "name": ...}
 
-   A line is written from left to right, as its payload is read. What a step cannot write stops the page: the caller
-   writes the line, or finds the text of a code that was not met before, and goes on from there. */
+   A line is written from left to right, as its payload is read. A code that was not met before stops the page: the
+   caller finds its text and goes on from there. A line with something that steps cannot write is left out, and told. */
 #include "kernels.h"
 
 enum { TEXT, NUMBER, CODE, HEXADECIMAL, ASCII, BITS, GO, COUNT, ITEMS, LAU, LZ, VALUE, UNTOLD, KINDS };
-enum { DONE, ROOM, NEW_CODE, BY_HAND }; /* why it stops */
+enum { DONE, ROOM, NEW_CODE, BY_HAND }; /* why a line stops, and the page but for the last */
 enum { SLACK = 64, LONGEST = 512 };     /* bytes behind a text, of any kind; and what a step needs but for its texts */
 
 /* Places are in bits from where the line is in its payload. `text` and `size` is what stands before the value. */
@@ -40,7 +40,7 @@ typedef struct {
     const u8 *payload, *readable; /* and where nothing is read any more */
     i64 length, at;
     i64 counts[2];
-    u8 *out, *end;
+    const u8 *end; /* of the page */
     int stop;
     i64 step, code; /* what stopped it */
 } Line;
@@ -49,27 +49,29 @@ static const u64 TENS[] = {1, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 1
                            100000000000, 1000000000000, 10000000000000, 100000000000000, 1000000000000000,
                            10000000000000000, 100000000000000000, 1000000000000000000};
 
-static inline bool room(Line *line, i64 size)
+static inline bool room(Line *line, const u8 *out, i64 size)
 {
-    if (line->end - line->out >= size + LONGEST)
+    if (line->end - out >= size + LONGEST)
         return true;
     line->stop = ROOM;
     return false;
 }
 
+/* What puts something at `out` returns where it ends, so that this never waits for memory. */
+
 /* Up to 31 bytes too many are written, and read. */
-static inline void put(u8 **out, const u8 *text, i64 size)
+static inline u8 *put(u8 *out, const u8 *text, i64 size)
 {
     for (i64 done = 0; done < size; done += 32)
-        memcpy(*out + done, text + done, 32);
-    *out += size;
+        memcpy(out + done, text + done, 32);
+    return out + size;
 }
 
-#define PUT(out, text) do { memcpy(*(out), text, sizeof(text) - 1); *(out) += sizeof(text) - 1; } while (0)
+#define PUT(out, text) ((u8 *)memcpy(out, text, sizeof(text) - 1) + sizeof(text) - 1)
 
-static inline void put_name(Line *line, const Step *step)
+static inline u8 *put_name(const Line *line, const Step *step, u8 *out)
 {
-    put(&line->out, line->known->texts + step->text, step->size);
+    return put(out, line->known->texts + step->text, step->size);
 }
 
 /* Eight digits of a number, as they are read. */
@@ -98,22 +100,33 @@ static inline u128 sixteen_digits(u64 number)
 static inline int zeros_before(u64 digits) { return __builtin_ctzll((digits ^ REPEATED('0')) | (u64)1 << 63) >> 3; }
 static inline int zeros_behind(u64 digits) { return __builtin_clzll((digits ^ REPEATED('0')) | 1) >> 3; }
 
-static inline void put_whole(u8 **out, u64 number)
+static inline u8 *put_whole(u8 *out, u64 number)
 {
-    if (number < 100000000) {
-        u64 digits = digits_of((u32)number);
-        int zeros = zeros_before(digits);
-        store8(*out, digits >> 8 * zeros);
-        *out += 8 - zeros;
-        return;
+    if (number >= 100000000) {
+        u64 high = number / 100000000;
+        if (high >= 100000000) {
+            u64 digits = digits_of((u32)(high / 100000000));
+            int zeros = zeros_before(digits);
+            store8(out, digits >> 8 * zeros);
+            store8(out + 8 - zeros, digits_of((u32)(high % 100000000)));
+            out += 16 - zeros;
+        } else {
+            u64 digits = digits_of((u32)high);
+            int zeros = zeros_before(digits);
+            store8(out, digits >> 8 * zeros);
+            out += 8 - zeros;
+        }
+        store8(out, digits_of((u32)(number % 100000000)));
+        return out + 8;
     }
-    put_whole(out, number / 100000000); /* never zero */
-    store8(*out, digits_of((u32)(number % 100000000)));
-    *out += 8;
+    u64 digits = digits_of((u32)number);
+    int zeros = zeros_before(digits);
+    store8(out, digits >> 8 * zeros);
+    return out + 8 - zeros;
 }
 
 /* number / 10 ** places below 0.0001. */
-static void put_small(u8 **out, u64 number, int places)
+static u8 *put_small(u8 *out, u64 number, int places)
 {
     u8 digits[20], *end = digits + sizeof digits, *first = end;
     while (!(number % 10))
@@ -121,62 +134,61 @@ static void put_small(u8 **out, u64 number, int places)
     for (; number; number /= 10)
         *--first = '0' + (u8)(number % 10);
     int exponent = places + 1 - (int)(end - first);
-    *(*out)++ = *first++;
+    *out++ = *first++;
     if (first < end)
-        *(*out)++ = '.';
+        *out++ = '.';
     while (first < end)
-        *(*out)++ = *first++;
-    PUT(out, "e-");
-    *(*out)++ = '0' + (u8)(exponent / 10);
-    *(*out)++ = '0' + (u8)(exponent % 10);
+        *out++ = *first++;
+    out = PUT(out, "e-");
+    *out++ = '0' + (u8)(exponent / 10);
+    *out++ = '0' + (u8)(exponent % 10);
+    return out;
 }
 
 /* number / 10 ** places, less than 10 ** 16 and with 1 to 16 places, as Python prints it: that of all decimals that are
    read as the same float which has the fewest digits. */
-static inline void put_decimal(u8 **out, u64 number, int places)
+static inline u8 *put_decimal(u8 *out, u64 number, int places)
 {
-    if (places > 4 && number && number < TENS[places - 4]) {
-        put_small(out, number, places);
-    } else if (number < 100000000 && places < 8) {
+    if (places > 4 && number && number < TENS[places - 4])
+        return put_small(out, number, places);
+    if (number < 100000000 && places < 8) {
         u64 digits = digits_of((u32)number);
         int first = zeros_before(digits), point = 8 - places, behind = places - zeros_behind(digits);
         if (first > point - 1)
             first = point - 1;
-        store8(*out, digits >> 8 * first);
-        *out += point - first;
-        *(*out)++ = '.';
-        store8(*out, digits >> 8 * point);
-        *out += behind > 1 ? behind : 1;
-    } else {
-        u128 digits = sixteen_digits(number);
-        u64 high = (u64)digits, low = (u64)(digits >> 64);
-        int first = zeros_before(high), point = 16 - places, behind = places - zeros_behind(low);
-        if (first == 7 && (high >> 56) == '0')
-            first = 8 + zeros_before(low);
-        if (low == REPEATED('0'))
-            behind = places - 8 - zeros_behind(high);
-        if (first >= point) {
-            *(*out)++ = '0';
-        } else {
-            store16(*out, digits >> 8 * first);
-            *out += point - first;
-        }
-        *(*out)++ = '.';
-        store16(*out, digits >> 8 * point);
-        *out += behind > 1 ? behind : 1;
+        store8(out, digits >> 8 * first);
+        out += point - first;
+        *out++ = '.';
+        store8(out, digits >> 8 * point);
+        return out + (behind > 1 ? behind : 1);
     }
+    u128 digits = sixteen_digits(number);
+    u64 high = (u64)digits, low = (u64)(digits >> 64);
+    int first = zeros_before(high), point = 16 - places, behind = places - zeros_behind(low);
+    if (first == 7 && high >> 56 == '0')
+        first = 8 + zeros_before(low);
+    if (low == REPEATED('0'))
+        behind = places - 8 - zeros_behind(high);
+    if (first >= point) {
+        *out++ = '0';
+    } else {
+        store16(out, digits >> 8 * first);
+        out += point - first;
+    }
+    *out++ = '.';
+    store16(out, digits >> 8 * point);
+    return out + (behind > 1 ? behind : 1);
 }
 
 /* The same for a float from 0.1 to less than 1e15: 15 digits are enough, or the 16 or 17 that are nearest. */
-static void put_float(u8 **out, double value)
+static u8 *put_float(u8 *out, double value)
 {
     int places = 15;
     for (u64 whole = (u64)value; whole; whole /= 10)
         places--;
     u64 fifteen = (u64)(value * (double)TENS[places] + 0.5);
     if ((double)fifteen / (double)TENS[places] == value) {
-        put_decimal(out, places ? fifteen : 10 * fifteen, places ? places : 1);
-        return;
+        return put_decimal(out, places ? fifteen : 10 * fifteen, places ? places : 1);
     }
     u64 word;
     memcpy(&word, &value, 8);
@@ -193,21 +205,34 @@ static void put_float(u8 **out, double value)
         found = ((u128)fraction * TENS[places] + half) >> shift;
     }
     u64 number = (u64)found;
-    put_whole(out, number / TENS[places]);
-    *(*out)++ = '.';
+    out = put_whole(out, number / TENS[places]);
+    *out++ = '.';
     u64 rest = number % TENS[places];
     for (int place = places; place--; rest /= 10)
-        (*out)[place] = '0' + (u8)(rest % 10);
-    *out += places;
+        out[place] = '0' + (u8)(rest % 10);
+    return out + places;
 }
 static const char HEX_DIGITS[] = "0123456789ABCDEF";
 
-static inline void put_hexadecimal(u8 **out, const u8 *data, i64 count)
+/* Eight digits of four bytes. */
+static inline u64 hexadecimal(u64 bytes)
 {
-    for (i64 byte = 0; byte < count; byte++) {
-        *(*out)++ = (u8)HEX_DIGITS[data[byte] >> 4];
-        *(*out)++ = (u8)HEX_DIGITS[data[byte] & 15];
+    bytes = (bytes | bytes << 16) & 0x0000FFFF0000FFFFu;
+    bytes = (bytes | bytes << 8) & 0x00FF00FF00FF00FFu;
+    u64 digits = (bytes >> 4 & 0x000F000F000F000Fu) | (bytes & 0x000F000F000F000Fu) << 8;
+    return digits + REPEATED('0') + ((digits + REPEATED(6)) >> 4 & REPEATED(1)) * ('A' - '0' - 10);
+}
+
+static inline u8 *put_hexadecimal(u8 *out, const u8 *data, i64 count)
+{
+    i64 byte = 0;
+    for (; byte + 4 <= count; byte += 4)
+        store8(out + 2 * byte, hexadecimal(load4(data + byte)));
+    for (; byte < count; byte++) {
+        out[2 * byte] = (u8)HEX_DIGITS[data[byte] >> 4];
+        out[2 * byte + 1] = (u8)HEX_DIGITS[data[byte] & 15];
     }
+    return out + 2 * count;
 }
 
 /* Whether so many bits are there from where the line is. */
@@ -244,23 +269,22 @@ static inline bool number_of(const Line *line, const Step *step, i64 *raw)
     return *raw >= step->lowest && *raw <= step->highest;
 }
 
-static inline void put_number(Line *line, const Step *step)
+static inline u8 *put_number(Line *line, const Step *step, u8 *out)
 {
     i64 raw;
     if (!number_of(line, step, &raw))
-        return;
-    put_name(line, step);
+        return out;
+    out = put_name(line, step, out);
     i64 value = (i64)((step->places ? (u64)raw : (u64)raw * (u64)step->factor) + (u64)step->add);
     bool negative = value < 0 && (step->sign || step->add);
     u64 magnitude = negative ? -(u64)value : (u64)value;
     if (negative)
-        *line->out++ = '-';
+        *out++ = '-';
     if (!step->places)
-        put_whole(&line->out, magnitude);
-    else if (magnitude <= (u64)step->most)
-        put_decimal(&line->out, magnitude * (u64)step->factor, (int)step->places);
-    else
-        put_float(&line->out, (double)magnitude / (double)step->inverse);
+        return put_whole(out, magnitude);
+    if (magnitude <= (u64)step->most)
+        return put_decimal(out, magnitude * (u64)step->factor, (int)step->places);
+    return put_float(out, (double)magnitude / (double)step->inverse);
 }
 
 static inline void unknown(Line *line, const Step *step, u64 code)
@@ -271,13 +295,13 @@ static inline void unknown(Line *line, const Step *step, u64 code)
 }
 
 /* A text that was found for the code, with the name in it. */
-static inline void put_code(Line *line, const Step *step)
+static inline u8 *put_code(Line *line, const Step *step, u8 *out)
 {
     if (!there(line, step->need))
-        return;
+        return out;
     if (!there(line, step->most)) { /* what else tells it */
         line->stop = BY_HAND;
-        return;
+        return out;
     }
     u64 code = raw_value(line, step), slot = line->known->slots[(u64)step->slots + code];
     i64 size = (i64)(slot & 0xFFFF), text = (i64)(slot >> 16);
@@ -285,49 +309,53 @@ static inline void put_code(Line *line, const Step *step)
         unknown(line, step, code);
     else if (text + size + SLACK > line->known->texts_size)
         line->stop = BY_HAND;
-    else if (room(line, size))
-        put(&line->out, line->known->texts + text, size);
+    else if (room(line, out, size))
+        return put(out, line->known->texts + text, size);
+    return out;
 }
 
 static inline i64 least_of(i64 one, i64 other) { return one < other ? one : other; }
 
-static inline void put_bytes(Line *line, const Step *step, i64 first, i64 count)
+static inline u8 *put_bytes(Line *line, const Step *step, u8 *out, i64 first, i64 count)
 {
-    if (count <= 0 || !room(line, 2 * count))
-        return;
-    put_name(line, step);
-    *line->out++ = '"';
-    put_hexadecimal(&line->out, line->payload + first, count);
-    *line->out++ = '"';
+    if (count <= 0 || !room(line, out, 2 * count))
+        return out;
+    out = put_name(line, step, out);
+    *out++ = '"';
+    out = put_hexadecimal(out, line->payload + first, count);
+    *out++ = '"';
+    return out;
 }
 
 /* Bits between bytes, as the bytes of their number. */
-static inline void put_bits(Line *line, const Step *step)
+static inline u8 *put_bits(Line *line, const Step *step, u8 *out)
 {
     if (!there(line, step->need))
-        return;
+        return out;
     u64 word = raw_value(line, step);
-    put_name(line, step);
-    *line->out++ = '"';
-    put_hexadecimal(&line->out, (const u8 *)&word, (step->bits + 7) / 8);
-    *line->out++ = '"';
+    out = put_name(line, step, out);
+    *out++ = '"';
+    out = put_hexadecimal(out, (const u8 *)&word, (step->bits + 7) / 8);
+    *out++ = '"';
+    return out;
 }
 
 /* Text of ASCII only; what is not of it, or has to be escaped as a number, is written by hand. */
-static inline void put_text(Line *line, const Step *step, const u8 *text, i64 size)
+static inline u8 *put_text(Line *line, const Step *step, u8 *out, const u8 *text, i64 size)
 {
-    if (!size || !room(line, 2 * size))
-        return;
-    put_name(line, step);
-    *line->out++ = '"';
+    if (!size || !room(line, out, 2 * size))
+        return out;
+    out = put_name(line, step, out);
+    *out++ = '"';
     for (i64 each = 0; each < size; each++) {
         if (text[each] < ' ')
             line->stop = BY_HAND;
         if (text[each] == '"' || text[each] == '\\')
-            *line->out++ = '\\';
-        *line->out++ = text[each];
+            *out++ = '\\';
+        *out++ = text[each];
     }
-    *line->out++ = '"';
+    *out++ = '"';
+    return out;
 }
 
 static inline i64 until(const u8 *text, i64 size, u8 end)
@@ -347,121 +375,124 @@ static inline bool is_ascii(const u8 *text, i64 size)
 }
 
 /* Without blanks behind it. */
-static inline void put_words(Line *line, const Step *step, const u8 *text, i64 size)
+static inline u8 *put_words(Line *line, const Step *step, u8 *out, const u8 *text, i64 size)
 {
     if (!is_ascii(text, size)) {
         line->stop = BY_HAND;
-        return;
+        return out;
     }
     while (size && (text[size - 1] == ' ' || (text[size - 1] >= 9 && text[size - 1] <= 13)
                     || (text[size - 1] >= 28 && text[size - 1] <= 31)))
         size--;
-    put_text(line, step, text, size);
+    return put_text(line, step, out, text, size);
 }
 
 /* Up to its padding. */
-static inline void put_fixed_text(Line *line, const Step *step)
+static inline u8 *put_fixed_text(Line *line, const Step *step, u8 *out)
 {
     i64 first = line->at + step->offset / 8, size = least_of(step->bits / 8, line->length - first);
     if (size <= 0)
-        return;
+        return out;
     const u8 *text = line->payload + first;
-    put_words(line, step, text, until(text, until(text, until(text, size, 0xFF), 0), '@'));
+    return put_words(line, step, out, text, until(text, until(text, until(text, size, 0xFF), 0), '@'));
 }
 
 /* Text with a length, which counts itself, and what kind it is of. */
-static inline void put_lau(Line *line, const Step *step)
+static inline u8 *put_lau(Line *line, const Step *step, u8 *out)
 {
     if (line->length < line->at + 2) {
         line->at = line->length;
-        return;
+        return out;
     }
     const u8 *text = line->payload + line->at;
     i64 whole = text[0] > 2 ? text[0] : 2, size = least_of(whole, line->length - line->at) - 2;
     line->at += whole;
     if (text[1] > 1)
-        return;
+        return out;
     if (!text[1]) { /* two bytes a character */
         if (size > 1)
             line->stop = BY_HAND;
-        return;
+        return out;
     }
     text += 2;
     size = until(text, size, 0xFF);
     if (!is_ascii(text, size)) {
         line->stop = BY_HAND;
-        return;
+        return out;
     }
     size = until(text, size, 0);
     while (size && strchr("@ \t\r\n", text[size - 1]))
         size--;
-    put_text(line, step, text, size);
+    return put_text(line, step, out, text, size);
 }
 
 /* Text with a length, and a zero behind it. */
-static inline void put_lz(Line *line, const Step *step)
+static inline u8 *put_lz(Line *line, const Step *step, u8 *out)
 {
     if (line->length <= line->at)
-        return;
+        return out;
     const u8 *text = line->payload + line->at + 1;
     i64 whole = line->payload[line->at], size = least_of(whole, line->length - line->at - 1);
     line->at += whole + 2;
-    put_words(line, step, text, until(text, size, 0));
+    return put_words(line, step, out, text, until(text, size, 0));
 }
 
 /* A value behind its key: which step writes it is found by what stands before it. */
-static inline void put_value(Line *line, const Step *step)
+static inline u8 *put_value(Line *line, const Step *step, u8 *out)
 {
     i64 place = 8 * line->at + step->offset;
     if (place < 0 || place + step->bits > 8 * line->length) {
         line->stop = BY_HAND;
-        return;
+        return out;
     }
     u64 code = raw_value(line, step), slot = line->known->slots[(u64)step->slots + code];
     if (!slot || slot > (u64)line->known->steps) {
         unknown(line, step, code);
-        return;
+        return out;
     }
     const Step *told = &line->known->all[slot - 1];
     i64 left = line->length - line->at, count = least_of(told->least, left);
-    if (!room(line, told->size))
-        return;
+    if (!room(line, out, told->size))
+        return out;
     if (told->least > left || told->kind == HEXADECIMAL)
-        put_bytes(line, told, line->at, count);
+        out = put_bytes(line, told, out, line->at, count);
     else if (told->kind == NUMBER)
-        put_number(line, told);
+        out = put_number(line, told, out);
     else if (told->kind == CODE)
-        put_code(line, told);
+        out = put_code(line, told, out);
+    else if (told->kind == ASCII)
+        out = put_fixed_text(line, told, out);
     else
         line->stop = BY_HAND;
     line->at += count;
+    return out;
 }
 
 /* One step of a line or of an item. */
-static inline void put_step(Line *line, const Step *step)
+static inline u8 *put_step(Line *line, const Step *step, u8 *out)
 {
     i64 raw;
-    if (!room(line, step->size))
-        return;
+    if (!room(line, out, step->size))
+        return out;
     switch (step->kind) {
     case TEXT:
-        put_name(line, step);
+        out = put_name(line, step, out);
         break;
     case NUMBER:
-        put_number(line, step);
+        out = put_number(line, step, out);
         break;
     case CODE:
-        put_code(line, step);
+        out = put_code(line, step, out);
         break;
     case HEXADECIMAL:
-        put_bytes(line, step, line->at + step->offset / 8,
+        out = put_bytes(line, step, out, line->at + step->offset / 8,
                   least_of(step->bits / 8, line->length - line->at - step->offset / 8));
         break;
     case BITS:
-        put_bits(line, step);
+        out = put_bits(line, step, out);
         break;
     case ASCII:
-        put_fixed_text(line, step);
+        out = put_fixed_text(line, step, out);
         break;
     case GO:
         line->at += step->least;
@@ -470,95 +501,93 @@ static inline void put_step(Line *line, const Step *step)
         line->counts[step->counter] = number_of(line, step, &raw) ? raw : 0;
         break;
     case LAU:
-        put_lau(line, step);
+        out = put_lau(line, step, out);
         break;
     case LZ:
-        put_lz(line, step);
+        out = put_lz(line, step, out);
         break;
     case VALUE:
-        put_value(line, step);
+        out = put_value(line, step, out);
         break;
     default:
         line->stop = BY_HAND;
     }
+    return out;
 }
 
-static inline void put_items(Line *line, const Step *step)
+static inline u8 *put_items(Line *line, const Step *step, u8 *out)
 {
     i64 count = step->counter < 0 ? step->most : line->counts[step->counter], items = 0;
     for (; items < count && line->at + step->least <= line->length && !line->stop; items++) {
-        if (!room(line, step->size))
-            return;
+        if (!room(line, out, step->size))
+            return out;
         if (items)
-            PUT(&line->out, ", {");
+            out = PUT(out, ", {");
         else
-            put_name(line, step);
-        u8 *begin = line->out, kept[2] = {begin[-2], begin[-1]};
-        line->out -= 2; /* the first field has no comma before it */
+            out = put_name(line, step, out);
+        u8 *begin = out, kept[2] = {begin[-2], begin[-1]};
+        out -= 2; /* the first field has no comma before it */
         for (i64 each = 1; each <= step->steps && !line->stop; each++)
-            put_step(line, step + each);
+            out = put_step(line, step + each, out);
         memcpy(begin - 2, kept, 2);
-        if (line->out < begin)
-            line->out = begin;
-        *line->out++ = '}';
+        if (out < begin)
+            out = begin;
+        *out++ = '}';
     }
     if (items)
-        *line->out++ = ']';
+        *out++ = ']';
+    return out;
 }
 
-static inline void put_fields(Line *line, const Table *table)
+static inline u8 *put_fields(Line *line, const Table *table, u8 *out)
 {
     static const u8 fields[] = "\", \"fields\": {";
-    u8 *begin = line->out;
-    line->out += sizeof(fields) - 3;
+    u8 *begin = out;
+    out += sizeof(fields) - 3;
     const Step *steps = line->known->all + table->step;
     for (i64 each = 0; each < table->steps && !line->stop; each++) {
         if (steps[each].kind == ITEMS) {
-            put_items(line, &steps[each]);
+            out = put_items(line, &steps[each], out);
             each += steps[each].steps;
         } else {
-            put_step(line, &steps[each]);
+            out = put_step(line, &steps[each], out);
         }
     }
     memcpy(begin, fields, sizeof(fields) - 1);
-    if (line->out < begin + sizeof(fields) - 1)
-        line->out = begin + sizeof(fields) - 1;
-    PUT(&line->out, "}}\n");
+    if (out < begin + sizeof(fields) - 1)
+        out = begin + sizeof(fields) - 1;
+    return PUT(out, "}}\n");
 }
 
 /* Nanoseconds, to the microsecond; the smallest number is none. */
-static inline void put_time(u8 **out, i64 stamp)
+static inline u8 *put_time(u8 *out, i64 stamp)
 {
-    PUT(out, "{\"time\": ");
-    if (stamp == INT64_MIN) {
-        PUT(out, "null");
-        return;
-    }
+    out = PUT(out, "{\"time\": ");
+    if (stamp == INT64_MIN)
+        return PUT(out, "null");
     i64 microseconds = stamp / 1000 + (stamp % 1000 >= 500) - (stamp % 1000 < -500);
     u64 magnitude = microseconds < 0 ? -(u64)microseconds : (u64)microseconds;
     if (microseconds < 0)
-        *(*out)++ = '-';
-    put_whole(out, magnitude / 1000000);
-    u64 digits = digits_of((u32)(magnitude % 1000000));
-    *(*out)++ = '.';
-    digits >>= 16;
-    memcpy(*out, &digits, 8);
-    *out += 6;
+        *out++ = '-';
+    out = put_whole(out, magnitude / 1000000);
+    *out++ = '.';
+    store8(out, digits_of((u32)(magnitude % 1000000)) >> 16);
+    return out + 6;
 }
 
-static inline void put_addresses(u8 **out, u32 identifier)
+static inline u8 *put_addresses(u8 *out, u32 identifier)
 {
-    PUT(out, ", \"priority\": ");
-    *(*out)++ = '0' + (u8)(identifier >> 26 & 7);
-    PUT(out, ", \"source\": ");
-    put_whole(out, identifier & 0xFF);
-    PUT(out, ", \"destination\": ");
-    put_whole(out, (identifier >> 16 & 0xFF) < 240 ? identifier >> 8 & 0xFF : 255);
-    PUT(out, ", ");
+    out = PUT(out, ", \"priority\": ");
+    *out++ = '0' + (u8)(identifier >> 26 & 7);
+    out = PUT(out, ", \"source\": ");
+    out = put_whole(out, identifier & 0xFF);
+    out = PUT(out, ", \"destination\": ");
+    out = put_whole(out, (identifier >> 16 & 0xFF) < 240 ? identifier >> 8 & 0xFF : 255);
+    return PUT(out, ", ");
 }
 
 /* The next line of a table, with all that stands before its fields. */
-static inline void put_line(Line *line, const Table *table, const Py_buffer *columns, i64 day, bool timed)
+static inline u8 *put_line(Line *line, const Table *table, u8 *out, const Py_buffer *columns, i64 day, bool timed)
 {
     i64 row = table->next, stamp = ((const i64 *)columns[STAMP].buf)[row];
     const u8 *payloads = columns[PAYLOADS].buf;
@@ -568,18 +597,15 @@ static inline void put_line(Line *line, const Table *table, const Py_buffer *col
     line->at = 0;
     if (line->length < 0 || line->length > table->width) {
         line->stop = BY_HAND;
-        return;
+        return out;
     }
-    if (!room(line, table->head_size + 2 * line->length))
-        return;
-    put_time(&line->out, !timed || stamp == INT64_MIN ? INT64_MIN : (i64)((u64)stamp + (u64)day));
-    put_addresses(&line->out, ((const u32 *)columns[IDENTIFIER].buf)[row]);
-    put(&line->out, line->known->texts + table->head, table->head_size);
-    put_hexadecimal(&line->out, line->payload, line->length);
-    if (table->known)
-        put_fields(line, table);
-    else
-        PUT(&line->out, "\"}\n");
+    if (!room(line, out, table->head_size + 2 * line->length))
+        return out;
+    out = put_time(out, !timed || stamp == INT64_MIN ? INT64_MIN : (i64)((u64)stamp + (u64)day));
+    out = put_addresses(out, ((const u32 *)columns[IDENTIFIER].buf)[row]);
+    out = put(out, line->known->texts + table->head, table->head_size);
+    out = put_hexadecimal(out, line->payload, line->length);
+    return table->known ? put_fields(line, table, out) : PUT(out, "\"}\n");
 }
 
 /* What is not in the steps' own place, or longer than there is. */
@@ -637,50 +663,63 @@ static int check(const Known *known, i64 slots, const Table *tables, i64 count, 
     return 0;
 }
 
-/* Where the page is: the frame that is next, the bytes that are written, the line made before and its place. */
+/* Where the page is: the frame that is next, the bytes that are written, the next line that was made before and its
+   place, and how many lines were left out. */
 typedef struct {
-    i64 frame, written, made, place;
+    i64 frame, written, made, place, gaps;
 } State;
 
-enum { TEXTS, SLOTS, STEPS, OWNERS, MADE, SIZES, TABLES, PAGE, STATE, ALL };
+/* A line that was left out, and where. */
+typedef struct {
+    i64 table, row, place;
+} Gap;
 
-static int write_page(const Py_buffer *views, const Py_buffer *columns, i64 day, bool timed, Line *line)
+enum { TEXTS, SLOTS, STEPS, OWNERS, MADE, SIZES, TABLES, PAGE, STATE, GAPS, ALL };
+
+/* All in one function, it takes a sixth less time. */
+__attribute__((flatten)) static int write_page(const Py_buffer *views, const Py_buffer *columns, i64 day, bool timed, Line *line)
 {
     const i32 *owners = views[OWNERS].buf;
     const i64 frames = views[OWNERS].len / 4, lines = views[SIZES].len / 8, *sizes = views[SIZES].buf;
     const i64 tables = views[TABLES].len / (i64)sizeof(Table);
     Table *all = views[TABLES].buf;
     State *state = views[STATE].buf;
+    Gap *gaps = views[GAPS].buf;
     u8 *page = views[PAGE].buf;
     line->end = page + views[PAGE].len;
     line->stop = DONE;
     for (; state->frame < frames; state->frame++) {
         i32 owner = owners[state->frame];
-        line->out = page + state->written;
+        u8 *out = page + state->written;
         if (owner > 0 && owner <= tables && all[owner - 1].next < all[owner - 1].rows) {
-            put_line(line, &all[owner - 1], columns + COLUMNS * (owner - 1), day, timed);
+            out = put_line(line, &all[owner - 1], out, columns + COLUMNS * (owner - 1), day, timed);
+            if (line->stop == BY_HAND) {
+                gaps[state->gaps++] = (Gap){owner - 1, all[owner - 1].next, state->written};
+                out = page + state->written;
+                line->stop = DONE;
+            }
             if (line->stop)
                 return 0;
             all[owner - 1].next++;
         } else if (owner < 0 && state->made < lines && sizes[state->made] >= 0
                    && sizes[state->made] <= views[MADE].len - state->place) {
             i64 size = sizes[state->made];
-            if (!room(line, size))
+            if (!room(line, out, size))
                 return 0;
-            memcpy(line->out, (const u8 *)views[MADE].buf + state->place, (size_t)size);
-            line->out += size;
+            memcpy(out, (const u8 *)views[MADE].buf + state->place, (size_t)size);
+            out += size;
             state->made++;
             state->place += size;
         } else if (owner) {
             return -1;
         }
-        state->written = line->out - page;
+        state->written = out - page;
     }
     return 0;
 }
 
-/* (texts, slots, steps, owners, made, sizes, tables, page, state, columns, day, timed) -> (why it stopped, step, code).
-   Lines of the frames from `state` on: those of table n + 1 by its steps, -1 what is next of `made`, 0 nothing. */
+/* (texts, slots, steps, owners, made, sizes, tables, page, state, gaps, columns, day, timed) -> (why it stopped, step,
+   code). Lines of the frames from `state` on: those of table n + 1 by its steps, -1 what is next of `made`, 0 nothing. */
 PyObject *json_lines(PyObject *module, PyObject *arguments)
 {
     PyObject *objects[ALL], *list, *result = NULL;
@@ -689,19 +728,21 @@ PyObject *json_lines(PyObject *module, PyObject *arguments)
     long long day;
     int timed, fault = 0;
     (void)module;
-    if (!PyArg_ParseTuple(arguments, "OOOOOOOOOO!Lp", &objects[TEXTS], &objects[SLOTS], &objects[STEPS],
+    if (!PyArg_ParseTuple(arguments, "OOOOOOOOOOO!Lp", &objects[TEXTS], &objects[SLOTS], &objects[STEPS],
                           &objects[OWNERS], &objects[MADE], &objects[SIZES], &objects[TABLES], &objects[PAGE],
-                          &objects[STATE], &PyList_Type, &list, &day, &timed)
+                          &objects[STATE], &objects[GAPS], &PyList_Type, &list, &day, &timed)
         || take_buffers(&buffers, views, objects, ALL, TABLES))
         return NULL;
     i64 tables = views[TABLES].len / (i64)sizeof(Table), slots = views[SLOTS].len / 8;
     Known known = {views[TEXTS].buf, views[TEXTS].len, views[SLOTS].buf, views[STEPS].buf,
                    views[STEPS].len / (i64)sizeof(Step)};
-    if (enough(&views[STATE], 1, sizeof(State), "state"))
+    if (enough(&views[STATE], 1, sizeof(State), "state")
+        || enough(&views[GAPS], views[OWNERS].len / 4, sizeof(Gap), "gaps"))
         goto end;
     const State *state = views[STATE].buf;
     if (PyList_Size(list) != COLUMNS * tables || state->frame < 0 || state->written < 0
-        || state->written > views[PAGE].len || state->made < 0 || state->place < 0 || state->place > views[MADE].len) {
+        || state->written > views[PAGE].len || state->made < 0 || state->place < 0 || state->place > views[MADE].len
+        || state->gaps < 0 || state->gaps > state->frame) {
         PyErr_SetString(PyExc_ValueError, "columns or state: out of range");
         goto end;
     }

@@ -106,10 +106,11 @@ def json_lines(
     tables: Array,
     page: Array,
     state: Array,
+    gaps: Array,
     columns: list[Array],
     day: int,
     timed: bool,
     /,
 ) -> tuple[int, int, int]:
     """The lines of frames from `state` on: of table n by its steps where the owner is n + 1, the next ones of `made`
-    where it is -1. Why it stopped, and at which step and code."""
+    where it is -1. Why it stopped, and at which step and code. Lines that it left out are told in `gaps`."""

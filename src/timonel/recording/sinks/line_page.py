@@ -16,9 +16,9 @@ from timonel.recording.tables import some
 
 _START = 1 << 20  # bytes of a page, until more are needed
 
-# Of what the kernel changes: a table, and where the page is.
-_NEXT = 7
-_FRAME, _SIZE = range(2)
+# Of what native/page.c has: numbers of a table, of a line that is left out, and of where the page is.
+_TABLE, _GAP, _STATE = 8, 3, 5
+_SIZE, _GAPS = 1, 4
 
 Ints = npt.NDArray[np.int64]
 ByHand = Callable[[Group, str | None], bytes]
@@ -26,9 +26,9 @@ ByHand = Callable[[Group, str | None], bytes]
 
 
 class Stop(IntEnum):
-    """Why the kernel stopped, as in native/page.c: for more room, for the text of a code, for a line of ours."""
+    """Why the kernel stopped, as in native/page.c: for more room, or for the text of a code."""
 
-    DONE, ROOM, NEW_CODE, BY_HAND = range(4)
+    DONE, ROOM, NEW_CODE = range(3)
 
 
 class Lot(msgspec.Struct, frozen=True, eq=False, gc=False):
@@ -67,35 +67,28 @@ class LinePage:
         owners = np.where(sizes > 0, np.int32(-1), np.int32(0))
         for number, lot in enumerate(lots, 1):
             owners[lot.messages.row - first] = number
-        tables = np.array([lot.row for lot in lots], np.int64).reshape(-1, _NEXT + 1)
+        tables = np.array([lot.row for lot in lots], np.int64).reshape(-1, _TABLE)
         columns = [column for lot in lots for column in lot.columns]
-        state, sizes = np.zeros(4, np.int64), sizes[sizes > 0]
+        state, gaps, sizes = np.zeros(_STATE, np.int64), np.empty((len(owners), _GAP), np.int64), sizes[sizes > 0]
         clock = self._day or 0, self._day is not None
         why = -1
         while why != Stop.DONE:
             known = self._steps.texts, self._steps.slots, self._steps.steps
-            chunk = owners, made, sizes, tables, self._page, state
+            chunk = owners, made, sizes, tables, self._page, state, gaps
             why, step, code = native.kernels.json_lines(*known, *chunk, columns, *clock)
-            match why:
-                case Stop.ROOM:
-                    self._grow(len(self._page))
-                case Stop.NEW_CODE:
-                    self._steps.learn(step, code)
-                case Stop.BY_HAND:
-                    number = int(owners[state[_FRAME]]) - 1
-                    self._put(lots[number], tables[number], state)
-        return self._page[: state[_SIZE]].data
+            if why == Stop.ROOM:
+                self._page = np.concatenate((self._page, np.empty_like(self._page)))
+            elif why == Stop.NEW_CODE:
+                self._steps.learn(step, code)
+        written = self._page[: state[_SIZE]].data
+        return self._filled(lots, written, gaps[: state[_GAPS]]) if state[_GAPS] else written
 
-    def _put(self, lot: Lot, table: Ints, state: Ints) -> None:
-        """The next line of a table, by hand."""
-        line = self._by_hand(some(lot.messages, table[_NEXT:]), lot.name)
-        at, end = int(state[_SIZE]), int(state[_SIZE]) + len(line)
-        if end > len(self._page):
-            self._grow(end)
-        self._page[at:end] = np.frombuffer(line, np.uint8)
-        table[_NEXT] += 1
-        state[_FRAME] += 1
-        state[_SIZE] = end
-
-    def _grow(self, more: int) -> None:
-        self._page = np.concatenate((self._page, np.empty(more, np.uint8)))
+    def _filled(self, lots: Sequence[Lot], written: memoryview, gaps: Ints) -> memoryview:
+        """The same with the lines that the kernel left out."""
+        pieces: list[memoryview | bytes] = []
+        before = 0
+        for number, row, place in gaps.tolist():
+            message = some(lots[number].messages, np.array([row]))
+            pieces += [written[before:place], self._by_hand(message, lots[number].name)]
+            before = place
+        return memoryview(b"".join([*pieces, written[before:]]))

@@ -41,6 +41,7 @@ TEXT, NUMBER, CODE, HEXADECIMAL, ASCII, BITS, GO, COUNT, ITEMS, LAU, LZ, VALUE, 
 _SLACK = 64  # bytes behind the last text
 _EXACT = 10**15  # decimals below it are printed as they are
 _LONG = 1 << 63
+_VALUES = NUMBER, CODE, HEXADECIMAL, ASCII  # of fields whose kind their key tells
 _CODE = 16  # bits of a code, at most
 _ODD = 57  # of these all are in eight bytes, wherever they begin
 _PLACES = 16
@@ -316,7 +317,7 @@ class _Steps:
             made = self._of_kind(field, layout.places[0].kind, 0, name)
         except _Untold:
             return Step(UNTOLD, name, least=size)
-        return msgspec.structs.replace(made, kind=made.kind if made.kind in (NUMBER, CODE) else UNTOLD, least=size)
+        return msgspec.structs.replace(made, kind=made.kind if made.kind in _VALUES else UNTOLD, least=size)
 
 
 def _name(field: Field) -> bytes:

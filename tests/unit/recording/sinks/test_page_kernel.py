@@ -17,7 +17,7 @@ def page(steps=None, **changed):
         "texts": steps.texts, "slots": steps.slots, "steps": steps.steps.copy(), "owners": np.ones(2, np.int32),
         "made": b"", "sizes": np.zeros(0, np.int64),
         "tables": np.array([[written.step, written.steps, written.head, written.head_size, 1, 2, 8, 0]], np.int64),
-        "page": np.empty(1 << 12, np.uint8), "state": np.zeros(4, np.int64),
+        "page": np.empty(1 << 12, np.uint8), "state": np.zeros(5, np.int64), "gaps": np.zeros((3, 3), np.int64),
         "columns": [np.zeros(2, np.int64), np.zeros(2, np.uint32), np.zeros((2, 8), np.uint8), np.full(2, 8, np.int64)],
     }  # fmt: skip
     return [*(given | changed).values(), 0, True]
@@ -59,6 +59,8 @@ WRONG = {
     "slots that are not there": lambda: changed_step(CODE, 14, 1 << 40),
     "a frame below the first": lambda: changed_state(0, -1),
     "more than the page holds": lambda: changed_state(1, 1 << 13),
+    "more gaps than frames": lambda: changed_state(4, 1),
+    "too little room for gaps": lambda: page(gaps=np.zeros((1, 3), np.int64)),
     "a column too few": lambda: page(columns=[np.zeros(2, np.int64)] * 3),
     "a line that nobody made": lambda: page(owners=np.full(2, -1, np.int32)),
     "a line longer than what was made": lambda: page(owners=np.full(2, -1, np.int32), sizes=np.ones(2, np.int64)),
@@ -73,7 +75,10 @@ def test_the_kernel_refuses(wrong):
         native.kernels.json_lines(*WRONG[wrong]())
 
 
-def test_a_payload_that_is_longer_than_its_row_is_left_to_others():
+def test_lines_of_payloads_that_are_longer_than_their_rows_are_left_out():
     arguments = page()
-    arguments[9][3] = np.full(2, 9, np.int64)
-    assert native.kernels.json_lines(*arguments)[0] == line_page.Stop.BY_HAND
+    lengths, gaps, state = np.full(2, 9, np.int64), arguments[9], arguments[8]
+    arguments[10][3] = lengths
+    assert native.kernels.json_lines(*arguments)[0] == line_page.Stop.DONE
+    assert state.tolist() == [2, 0, 0, 0, 2]
+    assert gaps[:2].tolist() == [[0, 0, 0], [0, 1, 0]]
