@@ -122,7 +122,7 @@ def _report(works: Sequence[Work[Summary]], jobs: int | None, then: Callable[[],
     from timonel.cli import report  # not before something was written: it takes its time
 
     if outcome.results:
-        report.overview(outcome.results, report.console(stderr=True))
+        report.overview(outcome.results, report.Screen(stderr=True))
     outcome.leave()
 
 

@@ -16,12 +16,12 @@ from timonel.recording.summary import Summary
 def info(files: tuple[str, ...], as_json: bool, jobs: int | None) -> None:
     """Tell what FILES have: format, times, messages and how often they come, who sends them, what was lost."""
     outcome = carry_out([Work(file, _summary) for file in files], jobs)
-    console = report.console()
+    screen = report.Screen()
     for summary in outcome.results:
         if as_json:
             click.echo(msgspec.json.encode(report.plain(summary)))
         else:
-            report.details(summary, console)
+            report.details(summary, screen)
     outcome.leave()
 
 

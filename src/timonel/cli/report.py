@@ -3,44 +3,39 @@
 import os
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime, timedelta
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
-
+from timonel.cli.sheets import Screen as Screen
+from timonel.cli.sheets import Sheet
+from timonel.cli.sheets import console as console
 from timonel.recording.summary import LOSSES, Device, Summary, Tally
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 UNREADABLE_SHOWN = 10
 
-_NUMBERS = {"frames", "messages", "PGNs", "sources", "lost", "unreadable", "count", "a second"}
-_WIDE = 160  # characters of a line where it is no terminal that decides
+_NUMBERS = frozenset({"frames", "messages", "PGNs", "sources", "lost", "unreadable", "count", "a second"})
 
 
-def console(stderr: bool = False) -> Console:
-    """Of the terminal's width, or wide enough for a file."""
-    made = Console(stderr=stderr, highlight=False)
-    return made if made.is_terminal else Console(stderr=stderr, highlight=False, width=_WIDE)
-
-
-def overview(summaries: Sequence[Summary], console: Console) -> None:
+def overview(summaries: Sequence[Summary], screen: Screen) -> None:
     """Of one recording what is known of it, of several a line each."""
     if len(summaries) == 1:
-        console.print(_facts(summaries[0]))
-        console.print(devices(summaries[0].devices))
+        screen.print(_facts(summaries[0]))
+        screen.print(devices(summaries[0].devices))
     else:
         names = ("file", "format", "begins", "lasts", "frames", "messages", "PGNs", "sources", "lost", "unreadable")
-        console.print(table(names, map(_line, summaries)))
+        screen.print(_sheet(names, map(_line, summaries)))
     for summary in summaries:
-        unreadable(summary, console)
+        unreadable(summary, screen)
 
 
-def details(summary: Summary, console: Console) -> None:
+def details(summary: Summary, screen: Screen) -> None:
     """All that is known without decoding: facts, messages, devices."""
-    console.print(_facts(summary))
-    console.print(messages(summary.messages))
-    console.print(devices(summary.devices))
-    unreadable(summary, console)
+    screen.print(_facts(summary))
+    screen.print(messages(summary.messages))
+    screen.print(devices(summary.devices))
+    unreadable(summary, screen)
 
 
 def _line(summary: Summary) -> list[str]:
@@ -55,11 +50,10 @@ def _line(summary: Summary) -> list[str]:
     return [os.path.basename(summary.file), summary.format, begin(summary), span(summary.seconds), *map(number, counts)]
 
 
-def _facts(summary: Summary) -> Table:
-    facts = Table.grid(padding=(0, 2))
+def _facts(summary: Summary) -> Sheet:
     dates = "" if summary.dated else ", times without a date" if summary.timed else ", no times"
     kinds = len({key for key, _ in summary.messages})
-    for name, value in (
+    facts = (
         ("file", summary.file),
         ("format", summary.format + dates),
         ("begins", begin(summary)),
@@ -69,19 +63,18 @@ def _facts(summary: Summary) -> Table:
         ("of", f"{kinds} PGNs from {len(summary.devices)} sources"),
         ("fast packets", losses(summary)),
         ("unreadable", number(summary.unreadable_count)),
-    ):
-        facts.add_row(Text(name, "dim"), Text(value, overflow="fold"))
-    return facts
+    )
+    return Sheet((), facts)
 
 
-def messages(tallies: dict[tuple[int, str | None], Tally]) -> Table:
+def messages(tallies: dict[tuple[int, str | None], Tally]) -> Sheet:
     """What is sent how often."""
     rows = []
     for (key, name), tally in sorted(tallies.items(), key=_by_number):
         rate = "" if tally.rate is None else f"{tally.rate:.3g}" if tally.rate < 1000 else f"{tally.rate:.0f}"
         kind = f"frame {-1 - key}" if key < 0 else str(key)
         rows.append([kind, name or "unknown", number(tally.count), rate, "" if tally.title == name else tally.title])
-    return table(("PGN", "message", "count", "a second", "what it is"), rows)
+    return _sheet(("PGN", "message", "count", "a second", "what it is"), rows)
 
 
 def _by_number(item: tuple[tuple[int, str | None], Tally]) -> tuple[int, str]:
@@ -89,10 +82,10 @@ def _by_number(item: tuple[tuple[int, str | None], Tally]) -> tuple[int, str]:
     return key, name or ""
 
 
-def devices(found: dict[int, Device]) -> Table:
+def devices(found: dict[int, Device]) -> Sheet:
     """Who sends, and what they said of themselves."""
     names = ("source", "messages", "maker", "function", "product", "software", "serial number", "NAME")
-    return table(names, (_device(address, device) for address, device in sorted(found.items())))
+    return _sheet(names, (_device(address, device) for address, device in sorted(found.items())))
 
 
 def _device(address: int, device: Device) -> list[str]:
@@ -109,12 +102,12 @@ def _device(address: int, device: Device) -> list[str]:
     ]
 
 
-def unreadable(summary: Summary, console: Console) -> None:
+def unreadable(summary: Summary, screen: Screen) -> None:
     """The first things that could not be read, with their places."""
     for found in summary.unreadable[:UNREADABLE_SHOWN]:
-        console.print(f"{summary.file}, {found.place}: {found.reason}: {found.text}", markup=False, highlight=False)
+        screen.print(f"{summary.file}, {found.place}: {found.reason}: {found.text}")
     if (more := summary.unreadable_count - UNREADABLE_SHOWN) > 0:
-        console.print(f"{summary.file}: {more} more could not be read", markup=False, highlight=False)
+        screen.print(f"{summary.file}: {more} more could not be read")
 
 
 def losses(summary: Summary) -> str:
@@ -159,16 +152,13 @@ def _said(fields: dict[str, Any], name: str) -> str:
     return str(fields.get(name, ""))
 
 
-def table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
+def table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> "Table":
     """Without the columns in which nothing stands."""
-    rows = list(rows)
-    made = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
-    shown = [place for place in range(len(names)) if any(row[place] for row in rows)]
-    for place in shown:
-        made.add_column(names[place], justify="right" if names[place] in _NUMBERS else "left", overflow="fold")
-    for row in rows:
-        made.add_row(*(Text(row[place]) for place in shown))
-    return made
+    return _sheet(names, rows).__rich__()
+
+
+def _sheet(names: Sequence[str], rows: Iterable[Sequence[str]]) -> Sheet:
+    return Sheet(names, list(rows), _NUMBERS)
 
 
 def plain(summary: Summary) -> dict[str, Any]:

@@ -16,7 +16,7 @@ try:
 except ImportError as missing:
     raise RecordingError("Arrow and Parquet need the extra `columns` (pip install 'timonel[columns]')") from missing
 
-__all__ = ("TIME", "Words", "binary", "bitmap", "distinct", "numbers", "pa", "sparse_texts", "times")
+__all__ = ("TIME", "Words", "binary", "bitmap", "distinct", "numbers", "occurring", "pa", "sparse_texts", "times")
 
 Values = npt.NDArray[Any]
 Mask = npt.NDArray[np.bool_]
@@ -84,12 +84,22 @@ def distinct(codes: Values) -> tuple[Values, npt.NDArray[np.intp]]:
     """The codes that occur, each once, and which of them each row has."""
     if codes.dtype.itemsize > 2:
         return np.unique(codes, return_inverse=True)
-    places = codes.view(f"u{codes.dtype.itemsize}")
-    rank = np.zeros(1 << 8 * codes.dtype.itemsize, np.intp)
-    rank[places] = 1
-    found = np.flatnonzero(rank)
-    rank[found] = np.arange(len(found))
-    return found.astype(places.dtype).view(codes.dtype), rank.take(places)
+    found = occurring(codes)
+    rank = np.empty(1 << 8 * codes.dtype.itemsize, np.intp)
+    rank[_unsigned(found)] = np.arange(len(found))
+    return found, rank.take(_unsigned(codes))
+
+
+def occurring(codes: Values) -> Values:
+    """The codes of one or two bytes that occur, each once."""
+    unsigned = _unsigned(codes)
+    there = np.zeros(1 << 8 * codes.dtype.itemsize, np.bool_)
+    there[unsigned] = True
+    return np.flatnonzero(there).astype(unsigned.dtype).view(codes.dtype)
+
+
+def _unsigned(codes: Values) -> Values:
+    return codes.view(f"u{codes.dtype.itemsize}")
 
 
 class Words:
@@ -106,13 +116,13 @@ class Words:
         if codes.dtype.itemsize > 2:
             found, which = distinct(codes)
             return self._dictionary(self._of(found).take(which), valid)
-        unsigned = codes.view(f"u{codes.dtype.itemsize}")
+        unsigned = _unsigned(codes)
         if not len(self._places):
             self._places = np.full(1 << 8 * codes.dtype.itemsize, -1, np.int32)
         places = self._places.take(unsigned)
         if places.min(initial=0) < 0:
-            new, _ = distinct(codes[places < 0])
-            self._places[new.view(unsigned.dtype)] = self._of(new)
+            new = occurring(codes[places < 0])
+            self._places[_unsigned(new)] = self._of(new)
             places = self._places.take(unsigned)
         return self._dictionary(places, valid)
 
