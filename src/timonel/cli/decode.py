@@ -15,7 +15,6 @@ import msgspec
 
 from timonel.cli.many import Tell, Work, carry_out
 from timonel.recording.decoding import Pass
-from timonel.recording.sinks.jsonl import JsonLines
 from timonel.recording.summary import Summary
 from timonel.recording.wanted import wanted
 from timonel.vehicles.rover.protocol import Protocol
@@ -156,6 +155,8 @@ def _protocol(frames: str | None) -> Protocol:
 
 
 def _to_lines(file: str, tell: Tell, options: Options) -> Summary:
+    from timonel.recording.sinks.jsonl import JsonLines
+
     protocol = _protocol(options.frames)
     choice = wanted(options.words, protocol)
     recording = Pass(file, protocol, choice, options.strict)

@@ -1,5 +1,6 @@
 """`timonel`: the programs. Each is imported when it is called, so that help and version come at once."""
 
+import gc
 import sys
 from importlib import import_module
 from typing import Any
@@ -42,6 +43,7 @@ class Programs(click.Group):
         if cmd_name not in PROGRAMS:
             return None
         module, _, name = PROGRAMS[cmd_name][0].partition(":")
+        gc.disable()  # what is loaded stays: to look through it for garbage would take a tenth of the start
         try:
             command: click.Command = getattr(import_module(module), name)
         except ModuleNotFoundError as missing:
@@ -51,6 +53,9 @@ class Programs(click.Group):
             raise click.ClickException(
                 f"{cmd_name} needs the extra `{extra}` (pip install 'timonel[{extra}]')"
             ) from missing
+        finally:
+            gc.freeze()
+            gc.enable()
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
