@@ -34,7 +34,7 @@ import msgspec
 from timonel.core.effects import Effect, Event, Say, SayTo, Transmit
 from timonel.core.frame import Frame
 from timonel.gateway.health import Health
-from timonel.gateway.moment import moment
+from timonel.gateway.moment import A_SECOND, moment
 from timonel.links.fan import Fan, is_fanned
 from timonel.links.link import BusLink, ByteLink, Link
 from timonel.links.shaped import Shaped
@@ -207,21 +207,16 @@ class Gateway:
         """Once a wake-up: what `_feed` does with `_frames_received`, with fewer steps."""
         if self._closing:
             return
-        now = moment(self._loop.time())
+        now = round(self._loop.time() * A_SECOND) / A_SECOND
         if not self._guarded(self.bus.name, self._answer_frames, frames, now):
             self._faulted(self.bus.name, now)
 
     def _answer_frames(self, frames: list[Frame], now: float) -> None:
-        vehicle = self.vehicle
-        if self.observers or self.recorder is not None:
-            effects = self._frames_received(frames, now)
-        else:
-            effects = vehicle.receive_frames(frames, now)
-        if effects:
+        if effects := self._frames_received(frames, now):
             if self.recorder is not None:
                 self._record(self.recorder.answered, effects, now)
             self._carry_out(effects, now)
-        if (deadline := vehicle.deadline) < self._armed_for:
+        if (deadline := self.vehicle.deadline) < self._armed_for:
             self._arm(deadline)
 
     def _frames_received(self, frames: list[Frame], now: float) -> list[Effect]:
@@ -338,7 +333,8 @@ class Gateway:
             self._send(urgent)
         if self._pending:
             if not self._flush_after:
-                self._flush()
+                lines, self._pending = self._pending, []
+                self._send(lines)
             elif self._flush_timer is None:
                 self._flush_timer = self._loop.call_later(self._flush_after, self._flush)
         if self.observers:

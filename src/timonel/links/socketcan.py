@@ -154,10 +154,8 @@ class SocketCanLink(Kept[list[Frame]]):
             self._one_by_one = ONE_BY_ONE if len(frames) == 1 else 0
         except OSError as fault:
             self._fail(fault)
-        if frames:
-            self._hand_over(frames)
-
-    def _hand_over(self, frames: list[Frame]) -> None:
+        if not frames:
+            return
         self._tally.frames_in += len(frames)
         if self._off:  # a bus that talks is not off, whether or not the driver told of its restart
             self._off = False

@@ -31,17 +31,16 @@ class Fault(StrEnum):
 
 
 def checksum(body: bytes) -> int:
-    """XOR of all bytes of `body`. To fold one long integer is faster than to go through the bytes."""
+    """XOR of all bytes of `body`. To fold one integer is faster than to go through the bytes, if they are many."""
     size = len(body)
-    if size > 128:
-        return reduce(xor, body)
+    if size < 20 or size > 128:
+        return reduce(xor, body, 0)
     folded = int.from_bytes(body, "little")
     if size > 64:
         folded ^= folded >> 512
     if size > 32:
         folded ^= folded >> 256
-    if size > 16:
-        folded ^= folded >> 128
+    folded ^= folded >> 128
     folded ^= folded >> 64
     folded ^= folded >> 32
     folded ^= folded >> 16
