@@ -20,7 +20,7 @@ from timonel.recording.messages import message
 
 # Names may have commas in them.
 _LINE = re.compile(
-    r"\d+,(?:(\d+)|(\d+)_(\d+)_(\d+)_(\d+)_(\d+)_(\d+)_(\d+)),"
+    r"\d+,(?:(\d{1,15})|(\d+)_(\d+)_(\d+)_(\d+)_(\d+)_(\d+)_(\d{1,15})),"
     r"(\d+),.*,(\d+),(\d+),(\d+),[01],(\d+),0x((?:[0-9A-F]{2})*)\s*",
     re.IGNORECASE,
 )

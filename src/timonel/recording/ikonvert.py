@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from timonel.recording.lines import Kind, LogFrame, is_comment
 from timonel.recording.messages import message
 
-_LINE = re.compile(r"!PDGY,(\d+),(\d+),(\d+),(\d+),(\d+)\.(\d{1,3}),([A-Za-z0-9+/]+=*)\s*")
+_LINE = re.compile(r"!PDGY,(\d+),(\d+),(\d+),(\d+),(\d{1,15})\.(\d{1,3}),([A-Za-z0-9+/]+=*)\s*")
 _STATUS = re.compile(r"\$PDGY,[^!$]*")
 
 

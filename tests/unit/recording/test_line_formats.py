@@ -89,6 +89,7 @@ def test_what_ikonvert_says_of_itself_is_passed_over():
         "!PDGY,127250,2,3,256,482.36,2S20AAAAAAE=",
         "$PDGY,0000$PDGY,000050,2,3,255,536.56,+920AAAAAAE=",
         "!PDGY,127250,2,3",
+        f"!PDGY,127250,2,3,255,{'9' * 400}.36,2S20AAAAAAE=",
     ],
 )
 def test_ikonvert_of_another_shape_is_refused(line):
@@ -133,6 +134,8 @@ def test_garmin_takes_a_clock_that_is_set_for_what_it_says():
         "0,486942,127508,Battery Status,Garmin,6,255,2,1,8",
         "0,13_41_2015_16_11_14_648,127508,Processed,Battery Status,Garmin,6,255,2,1,1,0x01",
         "0,486942,127508,6,255,2,1,1,0x01",
+        f"0,{'9' * 400},127508,Battery Status,Garmin,6,255,2,1,1,0x01",
+        f"0,6_21_2015_16_11_14_{'9' * 400},127508,Battery Status,Garmin,6,255,2,1,1,0x01",
     ],
 )
 def test_garmin_of_another_shape_is_refused(line):
