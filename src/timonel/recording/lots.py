@@ -27,19 +27,19 @@ class Lots:
     """Takes the lots of one chunk after the other, gives larger ones, the messages in the order of the recording."""
 
     def __init__(self) -> None:
-        self._kept: dict[str, _Kind] = {}
+        self._kept: dict[tuple[str, int | None], _Kind] = {}
 
     def receive(self, lots: Iterable[Lot]) -> Iterator[Lot]:
         """What has become enough; what nothing explains is not kept, for it may be of any number of PGNs."""
         for lot in lots:
-            if lot.name is None:
+            if (name := lot.name) is None:
                 yield lot
-                continue
-            self._kept.setdefault(lot.name, _Kind()).add(lot)
-        for name in [name for name, kind in self._kept.items() if kind.rows >= ROWS or kind.size >= ENOUGH]:
-            yield self._kept.pop(name).whole()
+            else:
+                self._kept.setdefault((name, lot.messages.frame), _Kind()).add(lot)
+        for key in [key for key, kind in self._kept.items() if kind.rows >= ROWS or kind.size >= ENOUGH]:
+            yield self._kept.pop(key).whole()
         while sum(kind.size for kind in self._kept.values()) > HELD:
-            largest = max(self._kept, key=lambda name: self._kept[name].size)
+            largest = max(self._kept, key=lambda key: self._kept[key].size)
             yield self._kept.pop(largest).whole()
 
     def finish(self) -> Iterator[Lot]:

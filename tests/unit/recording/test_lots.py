@@ -4,14 +4,15 @@ import pyarrow as pa
 import pytest
 
 from tests.recordings import recording
+from timonel.nmea2000.catalogue import by_id
 from timonel.nmea2000.identifier import join
 from timonel.recording import LogFrame, lots
-from timonel.recording.assembly import Assembly
+from timonel.recording.assembly import Assembly, Group
 from timonel.recording.chunks import open_frames
 from timonel.recording.frames import from_logframes
 from timonel.recording.lots import Lots
 from timonel.recording.sinks.arrow import Batches, joined
-from timonel.recording.tables import Tables
+from timonel.recording.tables import Lot, Tables
 
 HEADING, RATE = 127250, 127251
 
@@ -65,6 +66,15 @@ def test_messages_of_pgns_that_share_a_definition_are_in_the_order_of_the_record
     ((name, found),) = [one for chunk in fed(Lots(), *chunks) for one in chunk]
     assert name.startswith("0xff00")
     assert found == [1, 2, 3, 4, 5, 6]
+
+
+def test_a_frame_of_a_rover_is_not_taken_for_a_message_of_its_name():
+    namesake = type("vesselHeading", (), {})
+    kept = Lots()
+    (group,) = Assembly().receive(from_logframes([frame(HEADING, 1)]))
+    own = Group(None, 160, *lots._columns(group))
+    assert list(kept.receive([Lot(by_id("vesselHeading"), group), Lot(namesake, own)])) == []
+    assert [lot.messages.frame for lot in kept.finish()] == [160, None]
 
 
 def test_what_nothing_explains_does_not_wait():
