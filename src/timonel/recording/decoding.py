@@ -14,7 +14,7 @@ from timonel.recording.formats import LogReader
 from timonel.recording.frames import Frames, from_logframes
 from timonel.recording.lines import LogFrame, Record, Unreadable
 from timonel.recording.summary import Summariser, Summary
-from timonel.recording.tables import keep_memory
+from timonel.recording.tables import Selected, keep_memory
 from timonel.recording.wanted import Wanted
 from timonel.vehicles.rover.protocol import Protocol
 
@@ -28,11 +28,15 @@ FIRST = 1 << 10
 
 
 class Chunk(msgspec.Struct, frozen=True, eq=False):
-    """The messages that `frames` frames complete; the first one is number `first` of the recording."""
+    """The messages that `frames` frames complete; the first one is number `first` of the recording.
+
+    `selected` has the variants of PGNs that have several.
+    """
 
     groups: list[Group]
     first: int
     frames: int
+    selected: Selected
 
 
 class Pass:
@@ -63,8 +67,8 @@ class Pass:
         for frames in self._frames:
             first = self._assembly.frames
             groups = self._assembly.receive(frames)
-            self._summariser.receive(groups)
-            yield Chunk(groups, first, len(frames))
+            selected = self._summariser.receive(groups)
+            yield Chunk(groups, first, len(frames), selected)
 
     @property
     def summary(self) -> Summary:

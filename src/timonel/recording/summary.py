@@ -16,6 +16,7 @@ from timonel.recording.assembly import Assembly, Group
 from timonel.recording.formats import LogReader
 from timonel.recording.frames import NO_STAMP, Identifiers
 from timonel.recording.lines import Unreadable
+from timonel.recording.tables import Selected, Selection
 from timonel.vehicles.rover.protocol import Protocol
 from timonel.vehicles.rover.segments import SINGLE
 
@@ -98,13 +99,16 @@ class Summariser:
         self.summary = Summary(file)
         self._protocol = protocol
 
-    def receive(self, groups: Sequence[Group]) -> None:
+    def receive(self, groups: Sequence[Group]) -> Selected:
+        """Count them; what had to be looked at for it need not be looked at again."""
+        selected: dict[int, Selection] = {}
         self._sources([group.identifier for group in groups if group.pgn is not None])
         for group in groups:
             if group.frame is not None:
                 self._own(group)
             elif group.pgn is not None:
-                self._bus(group, group.pgn)
+                self._bus(group, group.pgn, selected)
+        return selected
 
     def finish(self, log: LogReader, assembly: Assembly) -> Summary:
         """What the reader and the assembly have counted goes with it."""
@@ -123,12 +127,13 @@ class Summariser:
         for source in np.flatnonzero(counts).tolist():
             self.summary.devices.setdefault(source, Device()).messages += int(counts[source])
 
-    def _bus(self, group: Group, pgn: int) -> None:
+    def _bus(self, group: Group, pgn: int, selected: dict[int, Selection]) -> None:
         known = variants(pgn)
         if len(known) == 1 and pgn not in (CLAIM, PRODUCT) and not known[0].pattern[0]:
             self._count(pgn, known[0], group)
         else:
-            for definition, rows in select(pgn, group.payloads, group.lengths):
+            selected[pgn] = select(pgn, group.payloads, group.lengths)
+            for definition, rows in selected[pgn]:
                 self._count(pgn, definition, group, rows)
         if pgn in (CLAIM, PRODUCT):
             self._introduce(group, pgn)

@@ -8,7 +8,7 @@ A file of any size is read in chunks, each of which gives its own tables; the ro
 recording. What no definition explains is a table too, with its payloads.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -30,6 +30,13 @@ CHUNK = 1 << 19
 """Frames at a time: what is done once a table and chunk costs less than what is done once a row."""
 
 _LARGEST = (1 << 25) - (1 << 13)  # bytes of the largest block that glibc may keep, with what stands around it
+
+
+Selection = Sequence[tuple[Definition | None, npt.NDArray[np.intp]]]
+"""The definitions that occur, and the rows of each."""
+Selected = Mapping[int, Selection]
+"""By PGN."""
+NOTHING: Selected = {}
 
 
 class Lot(msgspec.Struct, frozen=True, eq=False, gc=False):
@@ -83,11 +90,12 @@ class Tables:
         """The tables of a chunk's messages. `labels` is `catalogue_columns.columns`'."""
         return map(self.table, self.lots(groups))
 
-    def lots(self, groups: Iterable[Group]) -> Iterator[Lot]:
-        """A chunk's messages by what explains them."""
+    def lots(self, groups: Iterable[Group], selected: Selected = NOTHING) -> Iterator[Lot]:
+        """A chunk's messages by what explains them, which for some PGNs was `selected` before."""
         for group in groups:
             if group.pgn is not None:
-                for definition, rows in select(group.pgn, group.payloads, group.lengths):
+                known = selected.get(group.pgn)
+                for definition, rows in known or select(group.pgn, group.payloads, group.lengths):
                     yield Lot(definition, group if len(rows) == len(group.row) else some(group, rows))
             elif group.frame is not None:
                 yield from self._rover(group.frame, group)

@@ -8,6 +8,7 @@ from tests.recordings import recording
 from timonel.errors import RecordingError
 from timonel.recording.decoded import open_recording
 from timonel.recording.decoding import Pass
+from timonel.recording.tables import Tables
 from timonel.recording.wanted import Wanted, wanted
 from timonel.vehicles.rover.protocol import Protocol
 
@@ -28,6 +29,16 @@ def test_every_message_is_counted_by_name_and_by_source():
     assert {key: tally.count for key, tally in found.messages.items()} == by_name
     assert {key: device.messages for key, device in found.devices.items()} == Counter(m.source for m in messages)
     assert (found.frames, found.count, found.unreadable_count) == (6086, 4429, 2)
+
+
+def test_what_a_chunk_has_told_apart_is_what_tables_are_made_of():
+    (chunk,) = [chunk for chunk in Pass(recording(f"{SAMPLES}/can0-2.pcap")) if chunk.frames > 1024]
+    assert {len(found) > 1 for found in chunk.selected.values()} == {True, False}
+    lots = [[(lot.name, lot.messages.row.tolist()) for lot in made] for made in (
+        Tables().lots(chunk.groups, chunk.selected),
+        Tables().lots(chunk.groups),
+    )]  # fmt: skip
+    assert lots[0] == lots[1]
 
 
 def test_times_span_and_rate_are_those_of_the_messages():

@@ -236,8 +236,8 @@ def write(
                 files.write(name, batch)
 
     for chunk in recording:
-        wanted = (lot for lot in tables.lots(chunk.groups) if choice.names is None or lot.name in choice.names)
-        put(lots.receive(wanted))
+        found = tables.lots(chunk.groups, chunk.selected)
+        put(lots.receive(lot for lot in found if choice.names is None or lot.name in choice.names))
         tell(recording.log.bytes_read)
     put(lots.finish())
     files.close()
