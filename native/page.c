@@ -8,7 +8,8 @@
 
 enum { TEXT, NUMBER, CODE, HEXADECIMAL, ASCII, BITS, GO, COUNT, ITEMS, LAU, LZ, VALUE, UNTOLD, KINDS };
 enum { DONE, ROOM, NEW_CODE, BY_HAND }; /* why a line stops, and the page but for the last */
-enum { SLACK = 64, LONGEST = 512 };     /* bytes behind a text, of any kind; and what a step needs but for its texts */
+enum { SLACK = 64, LONGEST = 512 }; /* bytes behind a text, of any kind; and what a step needs but for its texts */
+enum { FAR = 1 << 24 };             /* no place in a payload is so far away */
 
 /* Places are in bits from where the line is in its payload. `text` and `size` is what stands before the value. */
 typedef struct {
@@ -284,7 +285,11 @@ static inline u8 *put_number(Line *line, const Step *step, u8 *out)
         return put_whole(out, magnitude);
     if (magnitude <= (u64)step->most)
         return put_decimal(out, magnitude * (u64)step->factor, (int)step->places);
-    return put_float(out, (double)magnitude / (double)step->inverse);
+    double quotient = (double)magnitude / (double)step->inverse;
+    if (quotient >= 0.1 && quotient < 1e15)
+        return put_float(out, quotient);
+    line->stop = BY_HAND;
+    return out;
 }
 
 static inline void unknown(Line *line, const Step *step, u64 code)
@@ -611,9 +616,12 @@ static inline u8 *put_line(Line *line, const Table *table, u8 *out, const Py_buf
 /* What is not in the steps' own place, or longer than there is. */
 static bool in_range(const Step *step, i64 number, const Known *known, i64 slots)
 {
-    i64 codes = step->kind == CODE || step->kind == VALUE ? (i64)1 << (step->bits & 63) : 0;
-    if (step->kind < 0 || step->kind >= KINDS || step->text < 0 || step->size < 0 || step->least < 0
-        || step->size > known->texts_size - SLACK - step->text || step->slots < 0 || codes > slots - step->slots)
+    if (step->kind < 0 || step->kind >= KINDS || step->text < 0 || step->size < 0
+        || step->size > known->texts_size - SLACK - step->text || step->bits < 0 || step->bits > FAR
+        || step->offset < -FAR || step->offset > FAR || step->least < 0 || step->least > FAR)
+        return false;
+    if ((step->kind == CODE || step->kind == VALUE)
+        && (step->bits > 16 || step->slots < 0 || ((i64)1 << step->bits) > slots - step->slots))
         return false;
     switch (step->kind) {
     case NUMBER:
@@ -625,12 +633,12 @@ static bool in_range(const Step *step, i64 number, const Known *known, i64 slots
     case BITS:
         return step->bits > 0 && step->bits <= 57 && step->offset >= 0 && step->need >= step->offset + step->bits;
     case CODE:
-        return step->bits > 0 && step->bits <= 16 && step->offset >= 0 && step->most >= step->offset + step->bits;
+        return step->bits > 0 && step->offset >= 0 && step->most >= step->offset + step->bits;
     case VALUE:
-        return step->bits > 0 && step->bits <= 16;
+        return step->bits > 0;
     case HEXADECIMAL:
     case ASCII:
-        return step->bits >= 0 && step->offset >= 0;
+        return step->offset >= 0;
     case ITEMS:
         return step->steps >= 0 && step->steps < known->steps - number && step->counter >= -1 && step->counter < 2
                && step->size > 1;
