@@ -56,6 +56,7 @@ SETUPS = {
 }
 MORE_IS_BETTER = {"most_frames_s", "most_sentences"}
 COMMANDED = "12 outputs, flush 0ms"
+OURS, BARE = f"timonel, {COMMANDED}", "a bare loop, 12 outputs"
 
 
 class Session:
@@ -201,9 +202,10 @@ def _places_of(peer: Peer) -> dict[bytes, int]:
 def scenarios(seconds: float) -> dict[str, Callable[[], Result]]:
     """By name; each is one pass."""
     found: dict[str, Callable[[], Result]] = {
-        f"timonel, {name}": partial(measure_gateway, setup, seconds) for name, setup in SETUPS.items()
+        OURS: partial(measure_gateway, SETUPS[COMMANDED], seconds),
+        BARE: partial(measure_bare_loop, SETUPS[COMMANDED], seconds),  # at once, so that both have the same neighbours
     }
-    found["a bare loop, 12 outputs"] = partial(measure_bare_loop, SETUPS[COMMANDED], seconds)
+    found |= {f"timonel, {name}": partial(measure_gateway, setup, seconds) for name, setup in SETUPS.items()}
     found |= {f"{peer.name}, 1 output": partial(measure_peer, peer, seconds) for peer in peers()}
     found["command under load"] = partial(measure_commands, SETUPS[COMMANDED], 2 * seconds)
     found["command, the machine alone"] = command.measure
@@ -250,11 +252,20 @@ def show(results: dict[str, Result]) -> str:
         "sentences/frame, then": ("most_sentences", ".2f"),
         "replaced, then": ("most_lost", ",.0f"),
     }
-    text = table(flows, columns)
+    text = table(flows, columns) + beside_bare(results)
     for name, row in others.items():
         told = {key: value for key, value in row.items() if not key.startswith("best_")}
         text += f"\n{name}: " + ", ".join(f"{key} {value:,.1f}" for key, value in told.items())
     return text
+
+
+def beside_bare(results: dict[str, Result]) -> str:
+    """How often a bare loop fits into the gateway: medians, and the best passes of each."""
+    if not {OURS, BARE} <= results.keys():
+        return ""
+    ours, bare = results[OURS], results[BARE]
+    times = ", ".join(f"{key} {ours[key] / bare[key]:.2f}" for key in ("cpu_us", "best_cpu_us", "p50", "best_p50"))
+    return f"\n{OURS}, times a bare loop: {times}"
 
 
 def main() -> None:
