@@ -105,7 +105,9 @@ _SETHEADING = Verb.SETHEADING
 Part = tuple[bytes, int]
 
 _PRINTED = tuple(b"%03d.%d" % (whole, tenth) for whole in range(360) for tenth in range(10))
-_PRINTED_SUMS = bytes(map(checksum, _PRINTED))
+_PRINTED_SUMS = bytes(
+    whole ^ tenth for whole in [checksum(b"%03d." % whole) for whole in range(360)] for tenth in b"0123456789"
+)
 _TENTHS = {text: tenths for tenths, text in enumerate(_PRINTED)}
 _STATUS_BEGINNINGS: dict[PilotMode | None, Part] = {
     mode: (b"$" + body, checksum(body))
