@@ -2,8 +2,9 @@
 
     {"time": 1669809600.001488, "priority": 2, "source": 204, "destination": 255, "pgn": 127250, "name": ...}
 
-The bytes are those of `decoded.Message.line`, in the order of the recording. Lines that are few of their kind, and a
-rover's, are written by that one.
+The bytes are those of `decoded.Message.line`, in the order of the recording. Where there are compiled kernels, one of
+them writes what can be told in steps (`line_steps`), which is nearly all. Of the rest, lines that are few of their
+kind, and a rover's, are written as those of single messages.
 """
 
 from collections.abc import Collection, Iterator, Sequence
@@ -69,7 +70,7 @@ class JsonLines:
         self._addresses = Known(_ADDRESSES, _address)
         self._paper = Page()
         self._steps = LineSteps(labels)
-        self._lines = LinePage(self._steps, day, self._by_hand)
+        self._told_lines = LinePage(self._steps, day, self._by_hand)
 
     def lines(self, groups: Sequence[Group], first: int, frames: int) -> memoryview:
         """The lines of the messages that `frames` frames complete, of which the first one is number `first`.
@@ -86,11 +87,11 @@ class JsonLines:
             elif native.kernels is None:
                 self._split(group, group.pgn, first, tables, single)
             else:
-                self._sort(group, group.pgn, first, lots, tables, single)
+                self._told(group, group.pgn, first, lots, tables, single)
         made, sizes = self._page(tables, single, frames)
-        return self._lines.lines(lots, first, made, sizes) if lots else made
+        return self._told_lines.lines(lots, first, made, sizes) if lots else made
 
-    def _sort(
+    def _told(
         self, group: Group, pgn: int, first: int, lots: list[Lot], tables: list["_Table"], single: list[Line]
     ) -> None:
         """Each variant of a PGN is a lot that the kernel writes, if it can."""

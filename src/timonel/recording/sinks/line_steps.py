@@ -47,7 +47,6 @@ _ODD = 57  # of these all are in eight bytes, wherever they begin
 _PLACES = 16
 _FIRST = 1  # where the first text stands: 0 is none
 _OPENING = ', "%s": [{'
-_PGN = b'"pgn": '
 
 _Text = Callable[[int], bytes]
 
@@ -55,8 +54,13 @@ _Text = Callable[[int], bytes]
 class Step(msgspec.Struct, frozen=True):
     """What is done next; offsets are in bits from where the line is in its payload.
 
-    `need` bits must be there, and the raw value not below `lowest` or above `highest`; its number is (raw + `add`) *
-    `factor` / 10**`places`, or without places raw * `factor` + `add`. `told` makes the text of a code.
+    `need` bits must be there, and the raw value not below `lowest` or above `highest`. Its number is (raw + `add`) *
+    `factor` / 10**`places`, which is as well (raw + `add`) / `inverse`, and has 15 digits up to the raw value `most`;
+    without places it is raw * `factor` + `add`. `told` makes the text of a code, whose last bit is before `most`.
+
+    Of items `steps` is how many steps they take, `least` how many bytes must be there for one, `most` how many there
+    can be, and `counter` which count says how many there are, -1 for none. Otherwise `least` is the size in bytes.
+    `announced` makes the step that reads the value behind a key.
     """
 
     kind: int
@@ -90,25 +94,20 @@ class Written(msgspec.Struct, frozen=True):
 
 
 class LineSteps:
-    """The steps of all messages that were met, their texts and codes; without `labels` lookups are numbers."""
+    """The steps of all messages that were met; without `labels` lookups are numbers.
+
+    `texts` is uint8[n], in which names, heads and labels stand; `slots` uint64[n], where what is known of each code is;
+    `steps` int64[n, 18]. They are others once something was added.
+    """
 
     def __init__(self, labels: bool = True) -> None:
         self._flavour = scalar.Flavour(labels, True)
-        self._texts, self._text_end = np.zeros(1 << 16, np.uint8), _FIRST
-        self.slots = np.zeros(1 << 12, np.uint64)
-        self._slot_end = 0
+        self._text_end, self._slot_end = _FIRST, 0
         self._steps: list[Step] = []
-        self._rows = np.zeros((0, _COLUMNS), np.int64)
         self._written: dict[tuple[int, str], Written | None] = {}
-
-    @property
-    def texts(self) -> Array:
-        return self._texts
-
-    @property
-    def steps(self) -> Array:
-        """int64[n, 18], as in native/page.c."""
-        return self._rows
+        # As in native/page.c.
+        self.texts, self.slots = np.zeros(1 << 16, np.uint8), np.zeros(1 << 12, np.uint64)
+        self.steps = np.zeros((0, _COLUMNS), np.int64)
 
     def written(self, pgn: int, definition: Definition | None) -> Written | None:
         """How a message is written; None if not by steps."""
@@ -119,7 +118,7 @@ class LineSteps:
 
     def learn(self, number: int, code: int) -> None:
         """Find out how a code is written that a step met for the first time."""
-        step, slot = self._steps[number], int(self._rows[number, _SLOTS]) + code
+        step, slot = self._steps[number], int(self.steps[number, _SLOTS]) + code
         if step.announced is not None:
             self._add([step.announced(code)])
             self.slots[slot] = len(self._steps)
@@ -140,23 +139,26 @@ class LineSteps:
         return Written(first, len(steps), self._text(head), len(head), definition is not None)
 
     def _add(self, steps: list[Step]) -> None:
-        rows = [self._row(step) for step in steps]
+        rows, at = [], self._text(b"".join(step.text for step in steps))
+        for step in steps:
+            rows.append(self._row(step, at))
+            at += len(step.text)
         self._steps += steps
-        self._rows = np.concatenate((self._rows, np.array(rows, np.int64).reshape(-1, _COLUMNS)))
+        self.steps = np.concatenate((self.steps, np.array(rows, np.int64).reshape(-1, _COLUMNS)))
 
-    def _row(self, step: Step) -> list[int]:
+    def _row(self, step: Step, at: int) -> list[int]:
         kind, text, *numbers = msgspec.structs.astuple(step)[:-2]
         slots = self._slot_end
         if step.told is not None or step.announced is not None:
             self._slot_end += 1 << step.bits
             self.slots = _longer(self.slots, self._slot_end)
-        row = [kind, self._text(text), len(text), *numbers[:_AHEAD], slots, *numbers[_AHEAD:]]
+        row = [kind, at, len(text), *numbers[:_AHEAD], slots, *numbers[_AHEAD:]]
         return [number - (number >= _LONG) * 2 * _LONG for number in row]
 
     def _text(self, text: bytes) -> int:
         at, self._text_end = self._text_end, self._text_end + len(text)
-        self._texts = _longer(self._texts, self._text_end + _SLACK)
-        self._texts[at : self._text_end] = np.frombuffer(text, np.uint8)
+        self.texts = _longer(self.texts, self._text_end + _SLACK)
+        self.texts[at : self._text_end] = np.frombuffer(text, np.uint8)
         return at
 
 
