@@ -158,4 +158,5 @@ def main() -> None:
 
 if __name__ == "__main__":
     os.environ.setdefault("NO_COLOR", "1")
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # what is installed is compiled once, not at every start
     main()
