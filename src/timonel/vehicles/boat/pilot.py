@@ -312,7 +312,8 @@ class Pilot:
         self._command = Command(mode, None if manner is ENGAGE else setpoint, now + FOLLOW_TIME, self.adopts)
         self._ours = self._may_hold = mode is HEADING_HOLD
         self._repeat_at = now + REPEAT_INTERVAL
-        return [*self._show(mode, setpoint), Steer(setpoint)]
+        self._mode, self._setpoint = mode, setpoint
+        return [PilotChanged(self.mode, self.setpoint), Steer(setpoint)]
 
     def _show(self, mode: Mode, setpoint: int | None) -> list[Event]:
         self._mode, self._setpoint = mode, setpoint

@@ -342,7 +342,8 @@ class Boat:
 
     def receive_bytes(self, port: str, data: bytes, now: float) -> list[Effect]:
         """Bytes came in on a station's port, in any portions."""
-        effects = self._overdue(now)
+        due = self._due
+        effects: list[Effect] = [] if due is not None and now < due else self._overdue(now)
         wire = self._wires[port]
         for sentence in wire.framer.receive(data):
             if sentence.startswith(b"$PARP,"):
@@ -389,8 +390,9 @@ class Boat:
         command = parp.read_command(sentence)
         if isinstance(command, Fault):
             return self._reject(command, sentence, wire)
-        if not self._allowed(wire, now):
+        if not wire.allowance.take(now):
             return self._flood(wire, sentence)
+        wire.flooded = False
         station = command.station if wire.station is None else wire.station
         if station is None:  # the short form does not say who speaks, so the wire must
             return self._reject(Fault.MALFORMED, sentence, wire)
@@ -571,8 +573,7 @@ class Boat:
         return effects
 
     def _overdue(self, now: float) -> list[Effect]:
-        due = self.deadline if self._due is None else self._due
-        return self.expire(now) if now >= due else []
+        return self.expire(now) if now >= self.deadline else []
 
     # To the outside -------------------------------------------------------------------------------
 
