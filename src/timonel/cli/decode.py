@@ -1,5 +1,6 @@
 """`timonel decode`: recordings to JSON lines, CSV, Arrow or Parquet."""
 
+import gc
 import os
 import shutil
 import sys
@@ -63,6 +64,7 @@ def decode(
     file a message in a directory (-o), one directory a recording if there are several. Values are SI; what is not
     available is left out, or null. - is standard input, decoded as it comes.
     """
+    gc.freeze()  # what is loaded stays: not looked through for garbage, in the end neither
     wanted(words, _protocol(frames))
     day = None if date is None else int(date.replace(tzinfo=UTC).timestamp()) * 1_000_000_000
     options = Options(kind, output or STDOUT, words, frames, lookups == "label", strict, day)
