@@ -1,4 +1,5 @@
 import random
+from collections import Counter
 from datetime import date
 from math import degrees, radians
 from typing import Any
@@ -25,7 +26,7 @@ from timonel.nmea2000.messages.ais import (
 from timonel.nmea2000.messages.steering import RateOfTurn
 from timonel.nmea2000.sender import Sender, outgoing
 from timonel.vehicles.boat import ais
-from timonel.vehicles.boat.ais import ECHO, MOST_SAID, Ais
+from timonel.vehicles.boat.ais import ECHO, KNOWN, MOST_SAID, NOT_WHOLE, Ais
 from timonel.vehicles.boat.ais_layout import DIMENSIONS, LAYOUTS, POSITION
 from timonel.vehicles.boat.conversion import KNOT
 from timonel.vehicles.boat.settings import BoatSettings, Port
@@ -301,10 +302,11 @@ def test_with_a_ceiling_of_zero_nothing_is_said() -> None:
 
 
 def test_what_we_said_ourselves_is_not_taken_for_a_receivers() -> None:
-    talk = Ais()
+    counters: Counter[str] = Counter()
+    talk = Ais(counters=counters)
     (line,) = said(talk.say(AisClassAPositionReport(**ship()), 0.0))
     assert talk.hear(line, None, ECHO - 0.1) == []
-    assert talk.echoes == 1
+    assert counters == {KNOWN: 1}
     assert talk.hear(line, None, ECHO) == [AisClassAPositionReport(**ship(**ZEROS))]
 
 
@@ -319,11 +321,12 @@ def test_what_was_said_is_forgotten_in_order_when_it_is_too_much() -> None:
 
 
 def test_a_broken_sentence_is_told_and_a_lost_half_counted() -> None:
-    talk = Ais()
+    counters: Counter[str] = Counter()
+    talk = Ais(counters=counters)
     assert talk.hear(b"!AIVDM,1,1,,A,0,0*00", None, 0.0) is Fault.WRONG_CHECKSUM
     _, second = said(Ais().say(AisClassAStaticAndVoyageRelatedData(**ship(message_id=5)), 0.0))
     assert talk.hear(second, None, 0.0) == []
-    assert talk.lost == 1
+    assert counters == {NOT_WHOLE: 1}
 
 
 def test_what_another_receiver_has_put_on_the_bus_is_not_put_there_again_even_if_nothing_is_said() -> None:

@@ -6,7 +6,7 @@ had within the last `ECHO` seconds is not put there again: two receivers hear th
 ourselves may come back to us by another way and would go round for ever.
 """
 
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from typing import Any, TypeVar
 
 from timonel.core.effects import Effect, Say
@@ -33,6 +33,9 @@ from timonel.vehicles.boat.truth import NEVER
 K = TypeVar("K")
 
 ECHO = 10.0  # s
+KNOWN = "AIS messages that the backbone had already"
+"""From another receiver, or our own that came back."""
+NOT_WHOLE = "AIS sentences without the rest of their message"
 MOST_SAID = 4096  # messages remembered: a busy harbour has some hundred in ten seconds
 STATIC = 24  # the message type that has two parts
 PARTS = (AisClassBStaticDataMsg24PartA, AisClassBStaticDataMsg24PartB)
@@ -147,21 +150,18 @@ def _with_letters(bits: int, length: int, text: str | None, first: int, most: in
 
 
 class Ais:
-    """Both ways, with what was said lately, so that it is not heard again as somebody else's."""
+    """Both ways, with what was said lately, so that it is not heard again as somebody else's.
 
-    def __init__(self, rate: float = AIS_RATE) -> None:
-        self.echoes = 0
-        """Messages that the backbone had already: another receiver's, or our own that came back."""
+    `counters` has what was not put on the backbone, and why.
+    """
+
+    def __init__(self, rate: float = AIS_RATE, counters: Counter[str] | None = None) -> None:
+        self._counters: Counter[str] = Counter() if counters is None else counters
         self._interval = 1 / rate if rate > 0 else None
         self._reader = VdmReader()
         self._writer = VdmWriter()
         self._known: OrderedDict[tuple[int, int], float] = OrderedDict()
         self._last: OrderedDict[str, float] = OrderedDict()
-
-    @property
-    def lost(self) -> int:
-        """Sentences whose message never became whole."""
-        return self._reader.lost
 
     def say(self, message: Message, now: float) -> list[Effect]:
         """What a message heard on the bus gives: one `Say` with all its sentences, which are worthless alone."""
@@ -179,13 +179,16 @@ class Ais:
 
     def hear(self, sentence: bytes, day: int | None, now: float) -> list[Message] | Fault:
         """The messages that a VDM or VDO sentence completes; none for what has no PGN, or is known. Never raises."""
+        lost = self._reader.lost
         radio = self._reader.receive(sentence, now)
+        if self._reader.lost > lost:
+            self._counters[NOT_WHOLE] += self._reader.lost - lost
         if isinstance(radio, Fault):
             return radio
         if radio is None:
             return []
         if now - self._known.get((radio.bits, radio.length), NEVER) < ECHO:
-            self.echoes += 1
+            self._counters[KNOWN] += 1
             return []
         message = read(radio, day)
         return [] if message is None else [message]

@@ -142,7 +142,7 @@ class Boat:
         self.devices = Devices()
         self.counters: Counter[str] = Counter()
         self._converter = Converter(self.truth, settings.rates, settings.dialect)
-        self._ais = Ais(settings.rates.get("VDM", RATES["VDM"]))
+        self._ais = Ais(settings.rates.get("VDM", RATES["VDM"]), self.counters)
         self._reference = REFERENCES[settings.heading_reference]
         self._compass = Compass(self._reference, self.truth.to_true, self.truth.to_magnetic)
         self.steering = choose(settings, self.devices, self._compass)
@@ -423,10 +423,6 @@ class Boat:
     def _receive_ais(self, wire: Wire, sentence: bytes, now: float) -> list[Effect]:
         """A sentence of an AIS receiver: the bus and the stations get what it tells."""
         assert self.sources is not None
-        assert self._inputs is not None
-        if self._inputs.is_echo(sentence, now):
-            self.counters["echoes of our own sentences"] += 1
-            return []
         clock = self.truth.clock_at(now)
         told = self._ais.hear(sentence, None if clock is None else clock.day, now)
         if isinstance(told, Fault):
