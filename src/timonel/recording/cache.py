@@ -19,7 +19,7 @@ from timonel.recording.decoding import Pass
 from timonel.recording.sinks.arrow import Choice, Files, write
 from timonel.vehicles.rover.protocol import Protocol
 
-LAYOUT = 1
+LAYOUT = 2
 """Of the tables: rises when they are written otherwise."""
 
 _NOTE = "cache.json"

@@ -50,6 +50,8 @@ _ROW = {"row": {"description": "the message, from 0"}}
 
 Batch = tuple[str, Any]
 Columns = dict[str, Any]
+Abouts = dict[str, dict[str, str]]
+"""By the name of a column, its metadata."""
 
 
 class Batches:
@@ -67,15 +69,16 @@ class Batches:
         name = table.name or UNKNOWN
         columns = self._head(table)
         if isinstance(table.definition, Definition):
-            columns |= self._fields(table.definition, table.fields)
+            columns |= self._fields(table.definition, table.fields, _HEAD)
         elif table.definition is not None:
             columns |= _signals(table)
-        yield name, self._batch(name, table, columns)
+        yield name, self._batch(name, table, columns, _HEAD)
         for items in table.groups:
             if isinstance(table.definition, Definition) and len(items.rows):
                 child = f"{name}.{items.group.name}"
                 row = {"row": numbers(items.rows + self._rows.get(name, 0))}
-                yield child, self._batch(child, table, row | self._fields(table.definition, items.fields))
+                columns = row | self._fields(table.definition, items.fields, _ROW)
+                yield child, self._batch(child, table, columns, _ROW)
         self._rows[name] = self._rows.get(name, 0) + len(table.messages.row)
 
     def _head(self, table: Table) -> Columns:
@@ -92,9 +95,11 @@ class Batches:
             columns["data"] = binary(messages.payloads, messages.lengths)
         return columns
 
-    def _fields(self, definition: Definition, columns: Mapping[str, AnyColumn]) -> Columns:
+    def _fields(self, definition: Definition, columns: Mapping[str, AnyColumn], own: Abouts) -> Columns:
+        """A column a field, beside those that the table has of its `own`."""
         found: Columns = {}
         for name, column in columns.items():
+            name = _beside(own, name)
             if column.field.kind in _MIXED:
                 found[name], found[f"{name}_text"] = _numbers_and_text(column)
             elif isinstance(column, Column):
@@ -121,10 +126,10 @@ class Batches:
             return known.lists(values, column.valid)
         return known.one_by_one(words(columns, field.id)) if field.by else known.array(values, column.valid)
 
-    def _batch(self, name: str, table: Table, columns: Columns) -> Any:
+    def _batch(self, name: str, table: Table, columns: Columns, own: Abouts) -> Any:
         """With the schema that was made of the first rows."""
         if name not in self._schemas:
-            about = _columns_about(table)
+            about = _columns_about(table, own)
             fields = [pa.field(one, array.type, metadata=about.get(one)) for one, array in columns.items()]
             self._schemas[name] = pa.schema(fields, _about(table))
         return pa.RecordBatch.from_arrays(list(columns.values()), schema=self._schemas[name])
@@ -184,17 +189,22 @@ def _about(table: Table) -> dict[str, str]:
     return {"frame": str(definition.FRAME), "name": definition.__name__}
 
 
-def _columns_about(table: Table) -> dict[str, dict[str, str]]:
-    """What is to be known of each column of a table, and of those of its repeating sets."""
+def _beside(own: Abouts, name: str) -> str:
+    """What the column of a field is called beside those that a table has of its `own`."""
+    return f"{name}_field" if name in own else name
+
+
+def _columns_about(table: Table, own: Abouts) -> Abouts:
+    """What is to be known of each column of a table, or of its repeating set."""
     definition = table.definition
     if definition is None:
-        return _HEAD
+        return own
     if isinstance(definition, Definition):
-        fields = {field.id: _field_about(definition, field) for field in definition.fields}
-        return _HEAD | _ROW | {f"{name}_text": about for name, about in fields.items()} | fields
+        fields = {_beside(own, field.id): _field_about(definition, field) for field in definition.fields}
+        return own | {f"{name}_text": about for name, about in fields.items()} | fields
     units = {name: signal.unit for name, signal in definition.signals}
     units |= {name: derived.unit for name, derived in definition.DERIVED.items()}
-    return _HEAD | {name: {"unit": unit, "source": f"rover frame {definition.FRAME}"} for name, unit in units.items()}
+    return own | {name: {"unit": unit, "source": f"rover frame {definition.FRAME}"} for name, unit in units.items()}
 
 
 def _field_about(definition: Definition, field: Field) -> dict[str, str]:

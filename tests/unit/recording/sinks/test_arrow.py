@@ -99,6 +99,16 @@ def test_lookups_are_dictionaries_of_words_or_numbers():
     assert tables(frames, labels=False)["vesselHeading"]["reference"].to_pylist() == [0, 1]
 
 
+def test_a_field_that_is_called_as_a_column_of_every_table_stands_beside_it():
+    found = tables([LogFrame(1.0, join(5, 130312, 7), bytes.fromhex("010000B871FFFFFF"))])["temperature"]
+    (row,) = found.to_pylist()
+    assert (row["source"], row["source_field"], row["priority"]) == (7, "Sea Temperature", 5)
+    assert found.schema.field("source_field").metadata[b"title"] == b"Source"
+    clock = tables([LogFrame(1.5, join(3, 126992, 7), bytes.fromhex("01F0F14C10270000"))])["systemTime"]
+    (row,) = clock.to_pylist()
+    assert (row["time"].timestamp(), row["time_field"], row["source_field"]) == (1.5, 1.0, "GPS")
+
+
 def test_dictionaries_grow_from_batch_to_batch():
     batches = Batches()
     made = []
