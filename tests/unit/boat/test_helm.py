@@ -49,6 +49,14 @@ def test_disengage_lets_go():
     assert helm.pilot.mode is Mode.STANDBY
 
 
+def test_without_an_address_on_the_bus_a_pilot_is_only_let_go():
+    helm = engaged()
+    helm.mute = True
+    assert helm.receive(Command(Verb.STBDTEN), 1, 0.0) == [Refused("no address on the bus", 1)]
+    assert courses(helm.receive(Command(Verb.DISENGAGE), 1, 0.0)) == [None]
+    assert helm.receive(Command(Verb.ENGAGE), 1, 0.0) == [Refused("no address on the bus", 1)]
+
+
 def test_who_is_not_in_command_steers_nothing():
     helm = engaged(2)
     for station in (1, 3, 4):
