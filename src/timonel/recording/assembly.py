@@ -126,12 +126,18 @@ class Assembly:
         codes, counts = np.empty(len(frames), np.uint16), np.zeros(len(self._kinds.channels), np.uint32)
         if native.kernels.frame_codes(frames.rows, self._kinds.codes, codes, counts):
             return None
+        packets = self._packets(frames, codes, counts)
+        counts[0], counts[self._kinds.fast :] = 0, 0
+        return sorted(self._singles(frames, codes, counts) + packets, key=_channel)
+
+    def _packets(self, frames: Frames, codes: Codes, counts: npt.NDArray[np.uint32]) -> list[Group]:
+        """The fast packets among them."""
         first = self._kinds.fast
-        now, fast = self._times(frames.stamp), int(counts[first:].sum())
-        packets = self._merged(self._fast_packets.receive_coded(frames.rows, now, codes, first, fast), frames.stamp)
-        counts[0], counts[first:] = 0, 0
-        singles = self._singles(frames, codes, counts)
-        return sorted(singles + packets, key=_channel)
+        if first == len(counts):
+            return []
+        now, count = self._times(frames.stamp), int(counts[first:].sum())
+        parts = self._fast_packets.receive_coded(frames.rows, now, codes, first, count)
+        return self._merged(parts, frames.stamp)
 
     def _singles(self, frames: Frames, codes: Codes, counts: npt.NDArray[np.uint32]) -> list[Group]:
         """Frames that are messages; `counts` is how many there are of each code."""
