@@ -33,6 +33,10 @@ from timonel.recording.sentence_lines import PADDING, Commas, Sentences, cut, li
 PORTION = 1 << 21
 """Bytes at a time: enough that what is done once a table costs less than what is done once a sentence."""
 
+MOST_NAMES = 60_000
+"""Formatters of a log that are told apart, so that 16 bits number them: all others that nobody declared are one table
+without a name."""
+
 _HASHES = 1 << 15
 _SHORTEST = len("$IIHDT,*hh")
 
@@ -199,7 +203,7 @@ def _wires(kind: type[Sentence], sentences: Sentences, commas: Commas) -> Wires:
 
 
 class _Formatters:
-    """Numbers for the formatters that occur, looked up by their letters."""
+    """Numbers for the formatters that occur, looked up by their letters; 0 for those that are too many."""
 
     def __init__(self) -> None:
         self.names = [""]
@@ -242,13 +246,18 @@ class _Formatters:
         if len(known):
             return int(known[0])
         formatter = int(letters).to_bytes(3, "little")
-        code = self._add(formatter, SENTENCES.get(formatter), letters)
+        kind = SENTENCES.get(formatter)
+        if kind is None and len(self.names) >= MOST_NAMES:
+            return 0
+        code = self._add(formatter, kind, letters)
         self._by_hash[_hash(np.array(letters))] = code
         return code
 
     def _address(self, address: bytes) -> int:
         """The number of an address that is not two letters of a talker and three of a formatter."""
         if address not in self._proprietary:
+            if len(self.names) >= MOST_NAMES:
+                return 0
             self._proprietary[address] = self._add(address, None, np.uint64(0))
         return self._proprietary[address]
 

@@ -10,6 +10,7 @@ from timonel.errors import RecordingError
 from timonel.nmea0183.checksum import checksum
 from timonel.nmea0183.registry import SENTENCES
 from timonel.nmea0183.sentences import HDT
+from timonel.recording import fast_nmea0183
 from timonel.recording.fast_nmea0183 import open_sentences
 from timonel.recording.frames import NO_STAMP
 
@@ -205,6 +206,18 @@ def test_formatters_that_are_not_declared_keep_their_sentences(tmp_path):
     assert tables["ZZZ"][0].sentences == [lines[0].strip().encode(), lines[2].strip().encode()]
     assert tables["PGRMC"][0].kind is None
     assert set(tables) == {"ZZZ", "ZZY", "PGRMC"}
+
+
+def test_of_too_many_formatters_those_that_nobody_declared_are_one_table(tmp_path, monkeypatch):
+    monkeypatch.setattr(fast_nmea0183, "MOST_NAMES", 3)
+    bodies = ["IIAAA,1", "IIBBB,2", "IICCC,3", "PXYZ,4", "IIAAA,5", "IIHDT,12.5,T"]
+    tables = open_sentences(written(tmp_path, *map(sealed, bodies)))
+    assert {table.formatter: table.line.tolist() for table in tables} == {
+        "AAA": [1, 5],
+        "BBB": [2],
+        "": [3, 4],
+        "HDT": [6],
+    }
 
 
 def test_measurements_are_objects(tmp_path):
