@@ -90,6 +90,8 @@ $(VENV)/run: requirements.lock pyproject.toml $(KERNELS) | $(VENV)/bin/python
 
 $(VENV)/dev: requirements-dev.lock pyproject.toml $(KERNELS) | $(VENV)/bin/python
 	scripts/debian.sh gcc libc6-dev
+	@$(BIN)/python -c 'import os, sysconfig as s; exit(not os.path.exists(s.get_path("include") + "/Python.h"))' || \
+		scripts/debian.sh python3-dev
 	$(PIP) install --require-hashes --only-binary :all: -r requirements-dev.lock
 	$(PIP) install --no-deps --no-build-isolation --editable .
 	touch $@ $(VENV)/run
