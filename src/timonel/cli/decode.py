@@ -166,7 +166,7 @@ def _to_lines(file: str, tell: Tell, options: Options) -> Summary:
     with ExitStack() as stack:
         output = sys.stdout.buffer if options.where == STDOUT else stack.enter_context(open(options.where, "ab"))
         for chunk in recording:
-            output.write(lines.lines(chunk.groups, chunk.first, chunk.frames))
+            output.write(lines.lines(chunk.groups, chunk.first, chunk.frames, chunk.selected))
             output.flush()
             tell(recording.log.bytes_read)
     return recording.summary

@@ -15,16 +15,16 @@ import numpy.typing as npt
 
 from timonel import native
 from timonel.nmea2000.catalogue import Definition, find
-from timonel.nmea2000.catalogue_columns import Columns, Items, columns, select
+from timonel.nmea2000.catalogue_columns import Columns, Items, columns
 from timonel.nmea2000.identifier import split
 from timonel.recording.assembly import Group
 from timonel.recording.decoded import Message, OwnMessage
 from timonel.recording.frames import NO_STAMP
-from timonel.recording.sinks.line_page import LinePage, Lot
+from timonel.recording.sinks.line_page import LinePage, Stepped
 from timonel.recording.sinks.line_steps import LineSteps
 from timonel.recording.sinks.notation import HEXADECIMAL, Known, Notation
 from timonel.recording.sinks.texts import Page, Sizes, Texts, listed
-from timonel.recording.tables import Tables, some
+from timonel.recording.tables import NOTHING, Selected, Tables
 from timonel.vehicles.rover.protocol import Protocol
 
 FEW = 20
@@ -72,55 +72,56 @@ class JsonLines:
         self._steps = LineSteps(labels)
         self._told_lines = LinePage(self._steps, day, self._by_hand)
 
-    def lines(self, groups: Sequence[Group], first: int, frames: int) -> memoryview:
+    def lines(self, groups: Sequence[Group], first: int, frames: int, selected: Selected = NOTHING) -> memoryview:
         """The lines of the messages that `frames` frames complete, of which the first one is number `first`.
 
-        They are there until the next ones are written.
+        `selected` is `Tables.lots`'. They are there until the next ones are written.
         """
-        lots: list[Lot] = []
+        lots: list[Stepped] = []
         tables: list[_Table] = []
         single: list[Line] = []
         for group in groups:
             if group.pgn is None:
-                for table in self._own.receive([group]):
-                    single += self._one_by_one(table.messages, table.name, first)
+                for lot in self._own.lots([group]):
+                    single += self._one_by_one(lot.messages, lot.name, first)
             elif native.kernels is None:
-                self._split(group, group.pgn, first, tables, single)
+                self._split(group, first, selected, tables, single)
             else:
-                self._told(group, group.pgn, first, lots, tables, single)
+                self._told(group, group.pgn, first, selected, lots, tables, single)
         made, sizes = self._page(tables, single, frames)
         return self._told_lines.lines(lots, first, made, sizes) if lots else made
 
     def _told(
-        self, group: Group, pgn: int, first: int, lots: list[Lot], tables: list["_Table"], single: list[Line]
-    ) -> None:
+        self, group: Group, pgn: int, first: int, selected: Selected, lots: list[Stepped], tables: list["_Table"],
+        single: list[Line],
+    ) -> None:  # fmt: skip
         """Each variant of a PGN is a lot that the kernel writes, if it can."""
-        for definition, part in self._variants(group, pgn):
-            name = definition.id if definition else None
+        for definition, name, part in self._variants(group, selected):
             written = self._steps.written(pgn, definition)
             if written is not None:
-                lots.append(Lot(written, name, part))
+                lots.append(Stepped(written, name, part))
             elif len(part.row) < FEW:
                 single += self._one_by_one(part, name, first)
             else:
                 tables.append(self._table(definition, part, first))
 
-    def _split(self, group: Group, pgn: int, first: int, tables: list["_Table"], single: list[Line]) -> None:
+    def _split(self, group: Group, first: int, selected: Selected, tables: list["_Table"], single: list[Line]) -> None:
         """Each variant of a PGN is a table, unless it is rare."""
         if len(group.row) < FEW and self._names is None:
             single += self._one_by_one(group, None, first)
             return
-        for definition, part in self._variants(group, pgn):
+        for definition, name, part in self._variants(group, selected):
             if len(part.row) < FEW:
-                single += self._one_by_one(part, definition.id if definition else None, first)
+                single += self._one_by_one(part, name, first)
             else:
                 tables.append(self._table(definition, part, first))
 
-    def _variants(self, group: Group, pgn: int) -> Iterator[tuple[Definition | None, Group]]:
-        """The definitions of a PGN that are asked for, and the messages of each."""
-        for definition, rows in select(pgn, group.payloads, group.lengths):
-            if self._names is None or (definition.id if definition else None) in self._names:
-                yield definition, group if len(rows) == len(group.row) else some(group, rows)
+    def _variants(self, group: Group, selected: Selected) -> Iterator[tuple[Definition | None, str | None, Group]]:
+        """The definitions of a PGN that are asked for, their names, and the messages of each."""
+        for lot in self._own.lots([group], selected):
+            if self._names is None or lot.name in self._names:
+                definition = lot.definition if isinstance(lot.definition, Definition) else None
+                yield definition, lot.name, lot.messages
 
     def _one_by_one(self, group: Group, name: str | None, first: int) -> Iterator[Line]:
         """The lines of a few messages, and the place in the chunk of each."""

@@ -31,7 +31,7 @@ class Stop(IntEnum):
     DONE, ROOM, NEW_CODE = range(3)
 
 
-class Lot(msgspec.Struct, frozen=True, eq=False, gc=False):
+class Stepped(msgspec.Struct, frozen=True, eq=False, gc=False):
     """Messages of one kind that are written in steps."""
 
     written: Written
@@ -59,7 +59,7 @@ class LinePage:
         self._by_hand = by_hand
         self._page = np.empty(_START, np.uint8)
 
-    def lines(self, lots: Sequence[Lot], first: int, made: memoryview, sizes: Sizes) -> memoryview:
+    def lines(self, lots: Sequence[Stepped], first: int, made: memoryview, sizes: Sizes) -> memoryview:
         """The lines of a chunk, whose first frame is number `first`, in the order of its frames.
 
         Lines that were `made` otherwise are among them: of `sizes[frame]` bytes, none where that is 0.
@@ -83,7 +83,7 @@ class LinePage:
         written = self._page[: state[_SIZE]].data
         return self._filled(lots, written, gaps[: state[_GAPS]]) if state[_GAPS] else written
 
-    def _filled(self, lots: Sequence[Lot], written: memoryview, gaps: Ints) -> memoryview:
+    def _filled(self, lots: Sequence[Stepped], written: memoryview, gaps: Ints) -> memoryview:
         """The same with the lines that the kernel left out."""
         pieces: list[memoryview | bytes] = []
         before = 0
