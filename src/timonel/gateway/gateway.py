@@ -34,7 +34,7 @@ import msgspec
 from timonel.core.effects import Effect, Event, Say, SayTo, Transmit
 from timonel.core.frame import Frame
 from timonel.gateway.health import Health
-from timonel.gateway.moment import A_SECOND, moment
+from timonel.gateway.moment import moment
 from timonel.links.fan import Fan, is_fanned
 from timonel.links.link import BusLink, ByteLink, Link
 from timonel.links.shaped import Shaped
@@ -207,7 +207,7 @@ class Gateway:
         """Once a wake-up: what `_feed` does with `_frames_received`, with fewer steps."""
         if self._closing:
             return
-        now = round(self._loop.time() * A_SECOND) / A_SECOND
+        now = moment(self._loop.time())
         if not self._guarded(self.bus.name, self._answer_frames, frames, now):
             self._faulted(self.bus.name, now)
 

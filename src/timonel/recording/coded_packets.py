@@ -68,10 +68,11 @@ class CodedPackets:
         """The messages of plain runs, by PGN."""
         kept = np.flatnonzero(~self.dirty.take(self._message))
         row = self.last.take(self._message.take(kept))
-        pgn = pgns_of(rows["identifier"][row] & np.uint32(EXTENDED - 1))
-        order = np.argsort((pgn - np.uint32(FIRST_FAST)).astype(np.uint16), kind="stable")  # 16 bits are sorted fastest
-        kept, row, pgn = kept.take(order), row.take(order), pgn.take(order)
         identifier = rows["identifier"][row] & np.uint32(EXTENDED - 1)
+        pgn = pgns_of(identifier)
+        order = np.argsort((pgn - np.uint32(FIRST_FAST)).astype(np.uint16), kind="stable")  # 16 bits are sorted fastest
+        kept, row = kept.take(order), row.take(order)
+        pgn, identifier = pgn.take(order), identifier.take(order)
         run = self._message.take(kept)
         size = rows["data"][self.begin.take(run), 1].astype(np.intp)
         offset = self._offset.take(kept)
