@@ -19,6 +19,7 @@ from typing import Any, Protocol, TypeGuard
 import msgspec
 
 from timonel.core.effects import Say
+from timonel.links.kept import Kept
 from timonel.links.link import Counters
 
 Send = Callable[[Sequence[Say]], None]
@@ -105,6 +106,23 @@ class Fan:
             others += rest
         self._plan = Plan(tuple(outlets), outlets, tuple(others))
         return self._plan
+
+
+class Served(Kept[bytes]):
+    """A link that a fan may serve."""
+
+    fan: Fan | None = None
+
+    @property
+    def counters(self) -> Counters:
+        if self.fan is not None:
+            self.fan.settle()
+        return super().counters
+
+    def _tell_fan(self) -> None:
+        """Somebody came, left, or can keep up again."""
+        if self.fan is not None:
+            self.fan.changed()
 
 
 def is_fanned(link: Any) -> TypeGuard[Fanned]:

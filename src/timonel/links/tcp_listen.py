@@ -16,10 +16,9 @@ from functools import partial
 
 from timonel.core.effects import Say
 from timonel.links.backlog import URGENT_MAX
-from timonel.links.fan import Fan, Send
-from timonel.links.kept import Kept, text_of
+from timonel.links.fan import Send, Served
+from timonel.links.kept import text_of
 from timonel.links.lines import WholeLines
-from timonel.links.link import Counters
 from timonel.links.tcp import prepare
 from timonel.links.wire import Wire
 
@@ -30,7 +29,7 @@ SILENT = 2.0  # s after which a raw client may be gone without a word, and the n
 OUT_OF_DESCRIPTORS = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
 
-class TcpListenLink(Kept[bytes]):
+class TcpListenLink(Served):
     """A line server; connected means that it listens, and `changed` tells the number of readers."""
 
     def __init__(self, host: str, port: int, *, raw: bool = False, url: str = "", name: str = "") -> None:
@@ -44,7 +43,6 @@ class TcpListenLink(Kept[bytes]):
         """See `Wire`."""
         self.greeting: Callable[[], bytes] | None = None
         """What every reader is told first."""
-        self.fan: Fan | None = None
         self._speaker: int | None = None
         self._voice: int | None = None
         self._voice_heard = 0.0
@@ -59,12 +57,6 @@ class TcpListenLink(Kept[bytes]):
             return None
         host, port = self._server.getsockname()[:2]
         return host, port
-
-    @property
-    def counters(self) -> Counters:
-        if self.fan is not None:
-            self.fan.settle()
-        return super().counters
 
     async def _connect(self) -> None:
         found = await self._loop.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
@@ -159,8 +151,7 @@ class TcpListenLink(Kept[bytes]):
             self._tell(False, "who spoke has left")
 
     def _readers_changed(self) -> None:
-        if self.fan is not None:
-            self.fan.changed()
+        self._tell_fan()
         if not self.raw:
             self._tell(True, f"readers: {len(self._readers)}" if self._readers else "")
 
@@ -192,5 +183,4 @@ class TcpListenLink(Kept[bytes]):
         self._voice = None
         while self._readers:
             self._readers.popitem()[1].close()
-        if self.fan is not None:
-            self.fan.changed()
+        self._tell_fan()

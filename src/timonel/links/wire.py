@@ -13,7 +13,7 @@ from typing import TypeVar
 
 from timonel.core.effects import Say
 from timonel.links.backlog import URGENT_MAX, Backlog
-from timonel.links.fan import Fan, Send
+from timonel.links.fan import Fan, Send, Served
 from timonel.links.kept import Kept, text_of
 from timonel.links.link import Counters
 
@@ -221,29 +221,21 @@ class Wired(Kept[Incoming]):
         return self._wire is not None and self._wire.pending
 
 
-class Port(Wired[bytes]):
+class Port(Served, Wired[bytes]):
     """A port over one wire. With `stale_after` it sends nothing that had to wait longer; see `Wire`."""
 
     stale_after: float | None = None
-    fan: Fan | None = None
-
-    @property
-    def counters(self) -> Counters:
-        if self.fan is not None:
-            self.fan.settle()
-        return super().counters
 
     async def _connect(self) -> None:
         await super()._connect()
         if self.fan is not None:
             assert self._wire is not None
             self._wire.fan = self.fan
-            self.fan.changed()
+            self._tell_fan()
 
     async def _disconnect(self) -> None:
         await super()._disconnect()
-        if self.fan is not None:
-            self.fan.changed()
+        self._tell_fan()
 
     def outlets(self) -> tuple[Sequence[Wire], Sequence[Send]]:
         """See `timonel.links.fan`."""
