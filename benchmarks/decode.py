@@ -27,6 +27,9 @@ from nmea2000.input_formats import N2KFormat
 
 from benchmarks.table import table
 from tests.recordings import ROOT, SHARED
+from timonel.core.effects import Say
+from timonel.core.frame import Frame
+from timonel.gateway.recorder import Recorder
 from timonel.nmea2000.catalogue import finder
 from timonel.nmea2000.fastpacket import Reassembler
 from timonel.nmea2000.identifier import split
@@ -36,10 +39,12 @@ from timonel.recording.candump import Candump
 from timonel.recording.chunks import open_frames
 from timonel.recording.decoded import Decoder, open_recording
 from timonel.recording.fast_nmea0183 import open_sentences
+from timonel.recording.flight_writer import FlightWriter, Limits
 from timonel.recording.frames import Frames, concatenate
 from timonel.recording.tables import CHUNK, Tables, decode_file, keep_memory
 
 SIX = (127250, 127251, 129025, 129026, 130306, 128259)
+SENTENCE = [Say(b"$IIHDT,182.3,T*2F\r\n", "HDT")]
 FEW = 50_000  # lines for what takes microseconds each
 PCAP = np.dtype(
     [("s", "<u4"), ("us", "<u4"), ("captured", "<u4"), ("size", "<u4"), ("id", ">u4"), ("frame", "V4"), ("data", "V8")]
@@ -57,7 +62,7 @@ class Work(msgspec.Struct, frozen=True):
 
 def inputs(folder: Path) -> None:
     """The recordings to a million frames each, in `folder`."""
-    if (folder / "boat.pcap").exists():
+    if (folder / "boat.pcap").exists() and (folder / "boat.mcap").exists():
         return
     script, samples = SHARED / "tools" / "peers" / "gen_inputs.py", ROOT / "canboat_canboat" / "samples"
     signalk = ROOT / "SignalK_signalk-server" / "samples"
@@ -71,7 +76,28 @@ def inputs(folder: Path) -> None:
     packets["frame"] = frames.rows.view("V4").reshape(-1, 4)[:, 1]
     packets["data"] = frames.rows.view("V8").reshape(-1, 2)[:, 1]
     header = np.array([0xA1B2C3D4, 4 << 16 | 2, 0, 0, 65535, 227], "<u4")
+    flight_recording(frames, folder / "boat.mcap")
     (folder / "boat.pcap").write_bytes(header.tobytes() + packets.tobytes())
+
+
+def flight_recording(frames: Frames, path: Path) -> None:
+    """What the gateway would have recorded of 2,000 frames a second, with a sentence for every tenth."""
+    with tempfile.TemporaryDirectory(dir=path.parent) as directory:
+        now = 0.0
+        writer = FlightWriter(Path(directory), "boat", Limits(segment_size=1 << 30), lambda number: {}, began_ns=0)
+        recorder = Recorder(["Bridge"], writer.put, now, wall=lambda: round(now * 1e9))
+        for place, frame in enumerate(frames.logframes()):
+            now = place / 2000
+            recorder.frames_received([Frame(frame.identifier, frame.data)], now)
+            if place % 10 == 0:
+                recorder.answered(SENTENCE, now)
+            if place % 2000 == 0:
+                recorder.flush(now)
+                writer.drain()
+        recorder.flush(now)
+        writer.finish()
+        (written,) = Path(directory).iterdir()
+        written.rename(path)
 
 
 def decoded(frames: Frames, pgns: tuple[int, ...] | None = None) -> int:
@@ -154,6 +180,7 @@ def gathered(frames: Frames) -> Callable[[], object]:
 
 def works(folder: Path) -> Iterator[Work]:
     candump, pcap, plaka = folder / "boat.candump", folder / "boat.pcap", folder / "plaka.nmea"
+    flight = folder / "boat.mcap"
     frames = concatenate(open_frames(pcap))
     count = len(frames)
     lines, single = first(candump), first(candump, lambda pgn: not is_fast(pgn))
@@ -164,10 +191,12 @@ def works(folder: Path) -> Iterator[Work]:
     said = sum(1 for line in plaka.read_bytes().split(b"\n") if line)
     yield Work("candump text to columns of all PGNs", count, lambda: from_file(candump), "nmea2000, a line")
     yield Work("pcap to columns of all PGNs", count, lambda: from_file(pcap), "nmea2000, a line")
+    yield Work("our recording to columns of all PGNs", count, lambda: from_file(flight), "nmea2000, a line")
     yield Work("frames in memory to columns of all PGNs", count, lambda: decoded(frames), "nmea2000, a line")
     yield Work("frames scanned for six PGNs, to columns", count, lambda: decoded(frames, SIX), "nmea2000, a line")
     yield Work("candump text to frames", count, lambda: sum(map(len, open_frames(candump))))
     yield Work("pcap to frames", count, lambda: sum(map(len, open_frames(pcap))))
+    yield Work("our recording to frames", count, lambda: sum(map(len, open_frames(flight))))
     yield Work("frames to payloads by PGN", count, lambda: assembled(frames))
     yield Work("NumPy's own gather of the rows", count, gathered(frames))
     yield Work("NMEA 0183 text to columns", said, lambda: sentences(plaka), "pynmea2, a line")

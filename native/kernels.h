@@ -58,6 +58,7 @@ static inline u64 no_digits(u64 digits) { return (digits | (digits + REPEATED(6)
 
 PyObject *candump_lines(PyObject *module, PyObject *arguments);
 PyObject *captured_frames(PyObject *module, PyObject *arguments);
+PyObject *recorded_frames(PyObject *module, PyObject *arguments);
 PyObject *frame_codes(PyObject *module, PyObject *arguments);
 PyObject *single_frames(PyObject *module, PyObject *arguments);
 PyObject *fast_packets(PyObject *module, PyObject *arguments);

@@ -32,6 +32,7 @@ int enough(const Py_buffer *view, i64 items, i64 size, const char *name)
 static PyMethodDef methods[] = {
     {"candump_lines", candump_lines, METH_VARARGS, NULL},
     {"captured_frames", captured_frames, METH_VARARGS, NULL},
+    {"recorded_frames", recorded_frames, METH_VARARGS, NULL},
     {"frame_codes", frame_codes, METH_VARARGS, NULL},
     {"single_frames", single_frames, METH_VARARGS, NULL},
     {"fast_packets", fast_packets, METH_VARARGS, NULL},

@@ -19,6 +19,10 @@ def captured_frames(
     much is captured of each, where the frame and (or -1) the protocol stand, how many ns a fraction counts, and whether
     numbers are of the other byte order than the machine's."""
 
+def recorded_frames(chunk: Array, at: int, bus: int, latest: int, rows: Array, stamps: Array, /) -> tuple[int, int]:
+    """How many frames stand in the messages of `bus` from `at` on, and where the first record begins that is no message
+    or has frames of more than a row, or a time that is not before `latest`, ns."""
+
 def frame_codes(rows: Array, table: Array, codes: Array, counts: Array, /) -> bool:
     """The code of each row in `table`, and how many rows have each; whether a row is a whole message."""
 

@@ -1,6 +1,7 @@
 """PyPI `nmea2000` as a client of our raw outputs, in all forms, both ways; and two gateways of ours in a row."""
 
 import asyncio
+import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from math import degrees
@@ -133,7 +134,11 @@ def test_a_fast_packet_of_the_package_arrives_whole_on_our_bus() -> None:
 
 
 @pytest.mark.parametrize("form", ["ydraw", "n2kascii", "candump"])
-def test_a_second_gateway_steers_the_boat_through_the_raw_output_of_the_first(form: str) -> None:
+def test_a_second_gateway_steers_the_boat_through_the_raw_output_of_the_first(
+    form: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.INFO)  # should it fail, its report tells what both gateways saw
+
     async def scene() -> None:
         raw, helm = free_port(), free_port()
         async with a_boat(form, raw) as (_, boat):

@@ -99,9 +99,9 @@ def _mcap(log: LogReader, size: int) -> Iterator[Frames]:
 def _taken(recording: FastMcap, portions: Iterable[bytes]) -> Iterator[Frames | LogFrame | Unreadable]:
     for portion in portions:
         for found in recording.receive(portion):
-            yield recording.taken()  # what stands before it
+            yield from recording.taken()  # what stands before it
             yield found
-        yield recording.taken()
+        yield from recording.taken()
     yield from recording.finish()
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from timonel import native
-from timonel.recording.frames import EXTENDED, Bytes, Frames, Identifiers, empty
+from timonel.recording.frames import EXTENDED, Bytes, Frames, Identifiers, empty, fill
 from timonel.recording.lines import LogFrame, Unreadable
 from timonel.recording.pcap import LINKS, Pcap
 
@@ -22,7 +22,6 @@ _FEW = 16
 _CAN_FRAME = 16
 _PROTOCOL_CAN = 12
 _REMOTE_OR_ERROR = 0x60000000
-_MASKS = np.array([(1 << 8 * length) - 1 for length in range(9)], np.uint64)
 
 
 class FastPcap(Pcap):
@@ -94,9 +93,7 @@ class FastPcap(Pcap):
 
     def _frames(self, packets: npt.NDArray[Any], identifier: Identifiers, length: Bytes) -> Frames:
         frames = empty(len(packets))
-        words = frames.rows.view("<u8").reshape(-1, 2)
-        words[:, 0] = length.astype(np.uint64) << 32 | identifier
-        np.bitwise_and(packets["data"], _MASKS.take(length), out=words[:, 1])
+        fill(frames.rows, identifier, length, packets["data"])
         np.multiply(packets["seconds"], 1_000_000_000, out=frames.stamp, dtype=np.int64)
         fraction = packets["fraction"].astype(np.int64)
         fraction *= self._nanoseconds

@@ -34,6 +34,7 @@ Stamps = npt.NDArray[np.int64]
 Bytes = npt.NDArray[np.uint8]
 Identifiers = npt.NDArray[np.uint32]
 NO_BYTES: Bytes = np.empty(0, np.uint8)
+_MASKS = np.array([(1 << 8 * length) - 1 for length in range(9)], np.uint64)
 
 
 class Frames(msgspec.Struct, frozen=True, eq=False, gc=False):
@@ -88,6 +89,13 @@ class Frames(msgspec.Struct, frozen=True, eq=False, gc=False):
 def empty(size: int) -> Frames:
     """Room for `size` frames, not filled in."""
     return Frames(np.empty(size, FRAME), np.empty(size, np.int64))
+
+
+def fill(rows: Rows, identifier: Identifiers, length: Bytes, data: npt.NDArray[np.uint64]) -> None:
+    """Make `rows` of frames of at most eight bytes, with `data` as a number, the first byte lowest."""
+    words = rows.view("<u8").reshape(-1, 2)
+    words[:, 0] = length.astype(np.uint64) << 32 | identifier
+    np.bitwise_and(data, _MASKS.take(length), out=words[:, 1])
 
 
 def from_logframes(frames: Sequence[LogFrame]) -> Frames:
