@@ -24,7 +24,7 @@ from typing import Any
 from benchmarks import command, memory
 from benchmarks.bare_loop import run_bare_loop
 from benchmarks.consoles import run_consoles
-from benchmarks.live_gateway import ANY_PORT, HERE, Setup, bus_pair, run_gateway
+from benchmarks.live_gateway import ANY_PORT, HERE, Setup, bus_pair, run_gateway, run_stamped_gateway
 from benchmarks.peers import Peer, peers
 from benchmarks.processes import (
     HARNESS,
@@ -150,6 +150,14 @@ def measure_gateway(setup: Setup, seconds: float) -> Result:
     return {**paced, **flat_out, "lost": lost, "most_lost": most_lost, "mib": after["mib"]}
 
 
+def measure_inside(setup: Setup, seconds: float) -> Result:
+    """Latency within the program, from a frame read to its sentence written to the last of all readers."""
+    with with_gateway(setup, run_stamped_gateway) as (running, gateway):
+        gateway.ask("latencies")
+        running.paced(seconds)
+        return {f"inside_{name}": value for name, value in gateway.ask("latencies").items()}
+
+
 def measure_bare_loop(setup: Setup, seconds: float) -> Result:
     """Latency and cost of what no program can do without."""
     with with_gateway(setup, run_bare_loop) as (running, _):
@@ -205,6 +213,7 @@ def scenarios(seconds: float) -> dict[str, Callable[[], Result]]:
         OURS: partial(measure_gateway, SETUPS[COMMANDED], seconds),
         BARE: partial(measure_bare_loop, SETUPS[COMMANDED], seconds),  # at once, so that both have the same neighbours
     }
+    found["timonel, 12 outputs, read to written"] = partial(measure_inside, SETUPS[COMMANDED], seconds)
     found |= {f"timonel, {name}": partial(measure_gateway, setup, seconds) for name, setup in SETUPS.items()}
     found |= {f"{peer.name}, 1 output": partial(measure_peer, peer, seconds) for peer in peers()}
     found["command under load"] = partial(measure_commands, SETUPS[COMMANDED], 2 * seconds)

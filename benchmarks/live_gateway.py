@@ -3,19 +3,22 @@
 import asyncio
 import logging
 import socket
-from collections.abc import Mapping
+import time
+from collections.abc import Mapping, Sequence
 from multiprocessing.connection import Connection
 from typing import Any
 
 import msgspec
 
-from benchmarks.processes import resident_mib
+from benchmarks.processes import quantiles, resident_mib
 from benchmarks.traffic import settings
 from timonel.cli.console import console
+from timonel.core.effects import Say
 from timonel.gateway.assemble import boat
 from timonel.gateway.configuration import Configuration
 from timonel.gateway.gateway import Channel, Gateway
 from timonel.gateway.web_settings import Web
+from timonel.links.fan import Fan
 from timonel.links.link import BusLink
 from timonel.links.pty import PtyLink
 from timonel.links.socketcan import SocketCanLink
@@ -42,18 +45,26 @@ def bus_pair() -> tuple[socket.socket, socket.socket]:
 
 
 def run_gateway(pipe: Connection, bus: int, directory: str, setup: Setup) -> None:
-    """Orders: `("counters",)`."""
+    """Orders: `("counters",)`; a gateway that is stamped answers with its latencies since the last order."""
     asyncio.run(_run(pipe, bus, directory, setup))
 
 
-async def _run(pipe: Connection, bus: int, directory: str, setup: Setup) -> None:
+def run_stamped_gateway(pipe: Connection, bus: int, directory: str, setup: Setup) -> None:
+    """As `run_gateway`, with a look at the clock at the two ends of the program itself."""
+    asyncio.run(_run(pipe, bus, directory, setup, Inside()))
+
+
+async def _run(pipe: Connection, bus: int, directory: str, setup: Setup, inside: "Inside | None" = None) -> None:
     # the loopback interface is up everywhere, and is not asked for anything else
-    can = SocketCanLink("lo", make=lambda _: socket.socket(fileno=bus), name="bus")
+    opened = StampedSocket if inside else socket.socket
+    can = SocketCanLink("lo", make=lambda _: opened(fileno=bus), name="bus")
     gateway, listeners = make(can, settings(setup.rates), directory, setup)
+    if inside is not None:
+        inside.watch(gateway._fan)
     await gateway.open()
     web = Web(HERE, ANY_PORT, stations=()) if setup.consoles else None
     async with console(gateway, Configuration("benchmark", settings(setup.rates), "", web=web)) as url:
-        asyncio.get_running_loop().add_reader(pipe.fileno(), _answer, pipe, gateway)
+        asyncio.get_running_loop().add_reader(pipe.fileno(), _answer, pipe, gateway, inside)
         pipe.send((listeners.address, url))
         await gateway.failed.wait()
 
@@ -69,9 +80,40 @@ def make(bus: BusLink, boat_settings: BoatSettings, directory: str, setup: Setup
     return Gateway(vehicle, bus, channels, flush=setup.flush), listeners
 
 
-def _answer(pipe: Connection, gateway: Gateway) -> None:
+class StampedSocket(socket.socket):
+    """Notes when it was read last."""
+
+    read = 0
+
+    def recv(self, size: int, flags: int = 0) -> bytes:
+        data = super().recv(size, flags)
+        StampedSocket.read = time.monotonic_ns()
+        return data
+
+
+class Inside:
+    """From a frame read to its sentence written to the last reader, in us."""
+
+    def __init__(self) -> None:
+        self.latencies: list[float] = []
+
+    def watch(self, fan: Fan) -> None:
+        send = fan.send
+
+        def timed(lines: Sequence[Say]) -> None:
+            send(lines)
+            self.latencies.append((time.monotonic_ns() - StampedSocket.read) / 1000)
+
+        fan.send = timed  # type: ignore[method-assign]
+
+
+def _answer(pipe: Connection, gateway: Gateway, inside: Inside | None) -> None:
     pipe.recv()
-    pipe.send(counters(gateway))
+    if inside is None:
+        pipe.send(counters(gateway))
+        return
+    pipe.send(quantiles(inside.latencies))
+    inside.latencies.clear()
 
 
 def counters(gateway: Gateway) -> Mapping[str, Any]:
