@@ -52,27 +52,29 @@ PyObject *frame_codes(PyObject *module, PyObject *arguments)
     return PyBool_FromLong(flags & WHOLE_FLAG);
 }
 
-/* Rows that are looked at together: what they are sorted into stays in the processor's cache. */
-enum { BLOCK = 1 << 13, NOWHERE = 0xFFFF };
+/* Rows that are looked at together: what they are sorted into stays in the processor's cache. What is done with each
+   row is the same for all of them, as a processor guesses wrongly which of them are wanted. */
+enum { BLOCK = 1 << 13, CODES_MAX = 1 << 16 };
 
-/* The codes that are wanted: the number of each, or NOWHERE, and the code of each number. */
+/* The codes that are wanted: their `count`, the code of each, and the number of each code, `count` for all others. */
 typedef struct {
-    u16 *dense, *code;
+    u16 *number, *code;
     u32 count;
 } Kinds;
 
 /* The rows of a block in the order of their kinds; `ends` says where those of each kind end. */
-static inline void sort_block(const u16 *codes, i64 count, i64 kinds, const Kinds *chosen, u32 *ends, u16 *order)
+static inline void sort_block(const u16 *codes, i64 count, const Kinds *chosen, u32 *ends, u16 *order)
 {
-    memset(ends, 0, 4 * (size_t)chosen->count + 4);
-    for (i64 row = 0; row < count; row++)
-        if (codes[row] < kinds && chosen->dense[codes[row]] != NOWHERE)
-            ends[chosen->dense[codes[row]] + 1]++; /* one further on: each begins where the one before it ends */
+    u16 kinds[BLOCK];
+    memset(ends, 0, 4 * (size_t)(chosen->count + 2));
+    for (i64 row = 0; row < count; row++) {
+        kinds[row] = chosen->number[codes[row]];
+        ends[kinds[row] + 1]++; /* one further on: each begins where the one before it ends */
+    }
     for (u32 kind = 1; kind <= chosen->count; kind++)
         ends[kind] += ends[kind - 1];
     for (i64 row = 0; row < count; row++)
-        if (codes[row] < kinds && chosen->dense[codes[row]] != NOWHERE)
-            order[ends[chosen->dense[codes[row]]]++] = (u16)row;
+        order[ends[kinds[row]]++] = (u16)row;
 }
 
 /* (rows, stamps, codes, next, row, stamp, identifier, length, data) -> None: rows with code c go, in their order, from
@@ -96,6 +98,11 @@ PyObject *single_frames(PyObject *module, PyObject *arguments)
         give_buffers_back(&buffers);
         return NULL;
     }
+    if (kinds >= CODES_MAX) {
+        give_buffers_back(&buffers);
+        PyErr_SetString(PyExc_ValueError, "next: more than there are codes");
+        return NULL;
+    }
     const u8 *rows = views[ROWS].buf;
     const i64 *stamps = views[STAMPS].buf;
     const u16 *codes = views[CODES].buf;
@@ -103,23 +110,25 @@ PyObject *single_frames(PyObject *module, PyObject *arguments)
         *length = views[LENGTH_OF].buf;
     u32 *identifier = views[IDENTIFIER].buf;
     u8 *data = views[DATA_OF].buf;
-    Kinds chosen = {malloc(2 * (size_t)kinds + 2), malloc(2 * (size_t)kinds + 2), 0};
+    Kinds chosen = {malloc(2 * CODES_MAX), malloc(2 * CODES_MAX), 0};
     u32 *ends = NULL;
-    i32 trouble = !chosen.dense || !chosen.code;
+    i32 trouble = !chosen.number || !chosen.code;
     Py_BEGIN_ALLOW_THREADS
     if (!trouble) {
-        for (i64 code = 0; code < kinds; code++) {
-            chosen.dense[code] = next[code] < 0 ? NOWHERE : (u16)chosen.count;
+        for (i64 code = 0; code < kinds; code++)
             if (next[code] >= 0)
                 chosen.code[chosen.count++] = (u16)code;
-        }
-        ends = malloc(4 * (size_t)chosen.count + 4);
+        for (i64 code = 0; code < CODES_MAX; code++)
+            chosen.number[code] = (u16)chosen.count;
+        for (u32 kind = 0; kind < chosen.count; kind++)
+            chosen.number[chosen.code[kind]] = (u16)kind;
+        ends = malloc(4 * (size_t)(chosen.count + 2));
         trouble = !ends;
     }
     for (i64 begin = 0; begin < count && !trouble; begin += BLOCK) {
         u16 order[BLOCK];
         i64 some = count - begin < BLOCK ? count - begin : BLOCK;
-        sort_block(codes + begin, some, kinds, &chosen, ends, order);
+        sort_block(codes + begin, some, &chosen, ends, order);
         u32 from = 0;
         for (u32 kind = 0; kind < chosen.count && !trouble; from = ends[kind++]) {
             i64 at = next[chosen.code[kind]], size = ends[kind] - from;
@@ -140,7 +149,7 @@ PyObject *single_frames(PyObject *module, PyObject *arguments)
         }
     }
     Py_END_ALLOW_THREADS
-    free(chosen.dense);
+    free(chosen.number);
     free(chosen.code);
     free(ends);
     give_buffers_back(&buffers);
@@ -183,8 +192,13 @@ typedef struct {
     i64 *offset;              /* of each message among the payloads */
     u8 *payloads;
     i32 *next;                /* the frame that follows in the run */
-    i64 runs, frames, messages, bytes;
+    i64 runs, frames, messages, bytes, room;
 } Found;
+
+/* How old a message may be, how long after one of its frames the next may come, both in ns, and how long it may be. */
+typedef struct {
+    i64 age, gap, longest;
+} Limits;
 
 static inline void close_run(Slot *slot, Found *found)
 {
@@ -215,8 +229,8 @@ static inline void put_message(const u8 *rows, const Slot *slot, Found *found)
     found->bytes = to - found->payloads;
 }
 
-static inline void put_frame(const u8 *rows, i64 row, i64 time, Slot *slot, u16 key, Found *found, i64 max_age,
-                             i64 max_gap, i64 longest)
+static inline void put_frame(const u8 *rows, i64 row, i64 time, Slot *slot, u16 key, Found *found,
+                             const Limits *limits)
 {
     const u8 *at = rows + ROW * row;
     u8 index = at[DATA] & 31, length = at[LENGTH];
@@ -228,14 +242,14 @@ static inline void put_frame(const u8 *rows, i64 row, i64 time, Slot *slot, u16 
             close_run(slot, found);
         slot->first = first;
         i64 run = found->runs++;
-        slot->calm = !slot->first && minus(time, slot->before) > max_gap;
+        slot->calm = !slot->first && minus(time, slot->before) > limits->gap;
         slot->run = (i32)run + 1;
         slot->began = time;
         slot->size = at[DATA + 1];
         slot->expected = 1 + slot->size / 7;
         slot->carried = length < 8 ? length - 2 : 6;
         slot->count = 1;
-        slot->whole = !index && slot->size <= longest && (length == 8 || slot->expected == 1);
+        slot->whole = !index && slot->size <= limits->longest && (length == 8 || slot->expected == 1);
         slot->head = frame;
         found->begin[run] = row;
         found->slot[run] = key;
@@ -243,7 +257,7 @@ static inline void put_frame(const u8 *rows, i64 row, i64 time, Slot *slot, u16 
         i64 gap = minus(time, slot->before);
         slot->count++;
         slot->carried += length < 8 ? length - 1 : 7;
-        if (gap < 0 || gap > max_gap || index != (u8)(slot->index + 1) || slot->count > slot->expected
+        if (gap < 0 || gap > limits->gap || index != (u8)(slot->index + 1) || slot->count > slot->expected
             || (length < 8 && slot->count != slot->expected))
             slot->whole = false;
         found->next[slot->last] = frame;
@@ -253,11 +267,30 @@ static inline void put_frame(const u8 *rows, i64 row, i64 time, Slot *slot, u16 
     slot->before = time;
     found->run[frame] = slot->run - 1;
     if (slot->whole && slot->count == slot->expected) {
-        if (minus(time, slot->began) >= max_age || slot->carried < slot->size)
+        if (minus(time, slot->began) >= limits->age || slot->carried < slot->size)
             slot->whole = false;
         else
             put_message(rows, slot, found);
     }
+}
+
+/* A frame goes to its slot. How many streams are known then; -1 if there is no room for its own, or it has no data. */
+static inline int receive_frame(const u8 *rows, i64 row, const i64 *now, Slot *slots, u16 *streams, int known,
+                                Found *found, const Limits *limits)
+{
+    const u8 *at = rows + ROW * row;
+    u32 place = (load4(at) & STREAM) - FIRST_FAST;
+    if (place >= STREAMS || !at[LENGTH] || found->frames == found->room)
+        return -1;
+    if (!streams[place]) {
+        if (known + 1 >= SLOTS >> 3)
+            return -1;
+        streams[place] = (u16)++known;
+        memset(&slots[known << 3], 0, sizeof(Slot) << 3);
+    }
+    u16 key = (u16)(streams[place] << 3 | at[DATA] >> 5);
+    put_frame(rows, row, now[row], &slots[key], key, found, limits);
+    return known;
 }
 
 /* (rows, now, codes, code, slots, streams, known, waiting, row, run, begin, last, count, slot, dirty, message, offset,
@@ -307,30 +340,21 @@ PyObject *fast_packets(PyObject *module, PyObject *arguments)
     u16 *streams = views[STREAM_NUMBERS].buf;
     Found found = {views[ROW_OF].buf, views[RUN].buf, views[BEGIN].buf, views[LAST].buf, views[COUNT].buf,
                    views[SLOT].buf, views[DIRTY].buf, views[MESSAGE].buf, views[OFFSET].buf, views[PAYLOADS].buf, next,
-                   0, 0, 0, 0};
+                   0, 0, 0, 0, room};
+    Limits limits = {max_age, max_gap, longest};
     Py_BEGIN_ALLOW_THREADS
     memset(slots, 0, sizeof(Slot) * (size_t)(known + 1) << 3);
     for (i64 each = 0; each < waiting; each++)
         slots[waiting_slots[each]].waiting = true;
-    for (i64 row = 0; row < all; row++) {
-        if (codes[row] < code)
-            continue;
-        const u8 *at = rows + ROW * row;
-        u32 place = (load4(at) & STREAM) - FIRST_FAST;
-        if (place >= STREAMS || !at[LENGTH] || found.frames == room) {
-            known = -1;
-            break;
+    for (i64 begin = 0; begin < all && known >= 0; begin += BLOCK) {
+        u16 fast[BLOCK];
+        i64 some = all - begin < BLOCK ? all - begin : BLOCK, wanted = 0;
+        for (i64 row = 0; row < some; row++) {
+            fast[wanted] = (u16)row;
+            wanted += codes[begin + row] >= code;
         }
-        if (!streams[place]) {
-            if (known + 1 >= SLOTS >> 3) {
-                known = -1;
-                break;
-            }
-            streams[place] = (u16)++known;
-            memset(&slots[known << 3], 0, sizeof(Slot) << 3);
-        }
-        u16 key = (u16)(streams[place] << 3 | at[DATA] >> 5);
-        put_frame(rows, row, now[row], &slots[key], key, &found, max_age, max_gap, longest);
+        for (i64 each = 0; each < wanted && known >= 0; each++)
+            known = receive_frame(rows, begin + fast[each], now, slots, streams, known, &found, &limits);
     }
     for (int key = 8; key < (known + 1) << 3; key++)
         if (slots[key].run)
