@@ -9,15 +9,18 @@ What comes out, and what is refused, is the same either way. Needs the extra `co
 """
 
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from itertools import chain, islice
 from pathlib import Path
 from typing import cast
 
+from timonel import native
+from timonel.recording.blocks import Blocks
 from timonel.recording.fast_candump import CandumpText
 from timonel.recording.fast_mcap import FastMcap
 from timonel.recording.fast_pcap import FastPcap
 from timonel.recording.formats import Lines, LogReader, open_log
-from timonel.recording.frames import CHUNK, Frames, concatenate, from_logframes
+from timonel.recording.frames import CHUNK, Frames, Gatherer, from_logframes
 from timonel.recording.lines import LogFrame, Record, Unreadable
 
 PORTION = 1 << 20
@@ -83,52 +86,37 @@ def _accepted(log: LogReader, records: Iterable[Record | Unreadable]) -> Iterato
 
 
 def _pcap(log: LogReader, size: int) -> Iterator[Frames]:
-    portions = _portions(log)
-    first = next(portions)
-    capture = FastPcap(first)
-    found = chain.from_iterable(map(capture.receive, chain((first,), portions)))
-    return _gathered(log, size, chain(found, capture.finish()))
+    gathered = Gatherer(size)
+    return _gathered(log, partial(FastPcap, gathered=gathered), gathered)
 
 
 def _mcap(log: LogReader, size: int) -> Iterator[Frames]:
+    gathered = Gatherer(size)
+    return _gathered(log, partial(FastMcap, gathered=gathered), gathered)
+
+
+def _gathered(log: LogReader, reader: Callable[[bytes], Blocks], gathered: Gatherer) -> Iterator[Frames]:
+    """The chunks that a reader gathers; what it cannot, it gives one by one."""
     portions = _portions(log)
     first = next(portions)
-    return _gathered(log, size, _taken(FastMcap(first), chain((first,), portions)))
+    capture = reader(first)
+    for portion in chain((first,), portions):
+        _take(log, capture.receive(portion), gathered)
+        yield from gathered.chunks()
+    _take(log, chain(capture.finish(), log.damage()), gathered)
+    yield from gathered.finish()
 
 
-def _taken(recording: FastMcap, portions: Iterable[bytes]) -> Iterator[Frames | LogFrame | Unreadable]:
-    for portion in portions:
-        for found in recording.receive(portion):
-            yield from recording.taken()  # what stands before it
-            yield found
-        yield from recording.taken()
-    yield from recording.finish()
-
-
-def _gathered(log: LogReader, size: int, found: Iterable[Frames | LogFrame | Unreadable]) -> Iterator[Frames]:
-    """Chunks of what comes in pieces of any size."""
-    parts: list[Frames] = []
-    count = 0
-    for piece in chain(found, _damage(log)):
-        if isinstance(piece, Unreadable):
-            log.refuse(piece)
-            continue
-        part = from_logframes([piece]) if isinstance(piece, LogFrame) else piece
-        parts.append(part)
-        count += len(part)
-        if count >= size:
-            yield concatenate(parts)
-            parts, count = [], 0
-    if count:
-        yield concatenate(parts)
-
-
-def _damage(log: LogReader) -> Iterator[Unreadable]:
-    yield from log.damage()
+def _take(log: LogReader, found: Iterable[LogFrame | Unreadable], gathered: Gatherer) -> None:
+    for frame in _accepted(log, found):
+        gathered.put(from_logframes([frame]))
 
 
 def _portions(log: LogReader) -> Iterator[bytes]:
-    """The recording's bytes, a megabyte or so at a time."""
+    """The recording's bytes: without kernels a megabyte or so at a time, for what is done once a portion is much."""
+    if native.kernels is not None:
+        yield from log.portions()
+        return
     parts: list[bytes] = []
     size = 0
     for part in log.portions():

@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from timonel import native
 from timonel.recording import flight
-from timonel.recording.frames import Frames, empty, fill
+from timonel.recording.frames import Gatherer, fill
 from timonel.recording.mcap import Mcap
 
 _ROW = np.dtype(
@@ -18,21 +18,16 @@ _LATEST = 1 << 62  # ns
 
 
 class FastMcap(Mcap):
-    """MCAP with a topic `bus`: its frames are collected, and `taken` has them.
+    """MCAP with a topic `bus`, whose frames are `gathered`.
 
     Only a message with frames of more than one row gives them one by one.
     """
 
-    def __init__(self, head: bytes) -> None:
+    def __init__(self, head: bytes, gathered: Gatherer) -> None:
         super().__init__(head)
-        self._frames: list[Frames] = []
+        self._gathered = gathered
         self._bus_channel = -1
-        self._reads = self._with_kernel if native.kernels is not None else self._without
-
-    def taken(self) -> list[Frames]:
-        """The frames collected since the last time."""
-        frames, self._frames = self._frames, []
-        return frames
+        self._read_many = self._with_kernel if native.kernels is not None else self._without
 
     def _note(self, content: bytes) -> None:
         super()._note(content)
@@ -42,19 +37,17 @@ class FastMcap(Mcap):
     def _many(self, data: bytes, place: int) -> int:
         if self._bus_channel < 0 or place == len(data):
             return place
-        frames, place = self._reads(data, place)
-        if len(frames):
-            self._frames.append(frames)
-        return place
+        return self._read_many(data, place)
 
-    def _with_kernel(self, data: bytes, place: int) -> tuple[Frames, int]:
-        frames = empty((len(data) - place) // _ROW.itemsize)
+    def _with_kernel(self, data: bytes, place: int) -> int:
+        room = self._gathered.room((len(data) - place) // _ROW.itemsize)
         assert native.kernels is not None
         bus = self._bus_channel
-        count, place = native.kernels.recorded_frames(data, place, bus, _LATEST, frames.rows, frames.stamp)
-        return frames[:count], place
+        count, place = native.kernels.recorded_frames(data, place, bus, _LATEST, room.rows, room.stamp)
+        self._gathered.took(count)
+        return place
 
-    def _without(self, data: bytes, place: int) -> tuple[Frames, int]:
+    def _without(self, data: bytes, place: int) -> int:
         stamps: list[int] = []
         tables: list[npt.NDArray[np.void]] = []
         while len(data) - place >= _HEAD.size:
@@ -72,14 +65,14 @@ class FastMcap(Mcap):
                 stamps.append(stamp)
                 tables.append(table)
             place = end
-        return _joined(stamps, tables), place
+        self._gather(stamps, tables)
+        return place
 
-
-def _joined(stamps: list[int], tables: list[npt.NDArray[np.void]]) -> Frames:
-    """The frames of messages with a time each, ns."""
-    table = np.concatenate(tables or [np.empty(0, _ROW)])
-    frames = empty(len(table))
-    fill(frames.rows, table["identifier"], table["length"], table["data"])
-    np.multiply(table["elapsed"], 1000, out=frames.stamp, dtype=np.int64)
-    frames.stamp[:] += np.repeat(np.array(stamps, np.int64), [len(each) for each in tables])
-    return frames
+    def _gather(self, stamps: list[int], tables: list[npt.NDArray[np.void]]) -> None:
+        """The frames of messages with a time each, ns."""
+        table = np.concatenate(tables or [np.empty(0, _ROW)])
+        room = self._gathered.room(len(table))[: len(table)]
+        fill(room.rows, table["identifier"], table["length"], table["data"])
+        np.multiply(table["elapsed"], 1000, out=room.stamp, dtype=np.int64)
+        room.stamp[:] += np.repeat(np.array(stamps, np.int64), [len(each) for each in tables])
+        self._gathered.took(len(table))

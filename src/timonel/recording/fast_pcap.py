@@ -4,15 +4,14 @@ SocketCAN's packets are all of one size, so as far as they are, they are an arra
 other packet, and one that is no frame of classic CAN, is left to the reader of single packets, in its turn.
 """
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from timonel import native
-from timonel.recording.frames import EXTENDED, Bytes, Frames, Identifiers, empty, fill
-from timonel.recording.lines import LogFrame, Unreadable
+from timonel.recording.blocks import Results
+from timonel.recording.frames import EXTENDED, Frames, Gatherer, fill
 from timonel.recording.pcap import LINKS, Pcap
 
 MANY = 1 << 15
@@ -25,10 +24,11 @@ _REMOTE_OR_ERROR = 0x60000000
 
 
 class FastPcap(Pcap):
-    """pcap, of which `receive` gives arrays of frames too."""
+    """pcap, whose frames are `gathered` as far as they are plain; `receive` gives the others, each in its turn."""
 
-    def __init__(self, head: bytes) -> None:
+    def __init__(self, head: bytes, gathered: Gatherer) -> None:
         super().__init__(head)
+        self._gathered = gathered
         before, protocol = LINKS[self._link]
         order = self._packet.format[0]
         fields = {
@@ -50,18 +50,16 @@ class FastPcap(Pcap):
         self._known = (16 + self._captured, self._captured, *stands, self._nanoseconds, order == ">")
         self._together = _FEW
 
-    def receive(self, data: bytes) -> Iterator[Frames | LogFrame | Unreadable]:  # type: ignore[override]
+    def receive(self, data: bytes) -> Results:
         """What `data`, the next of the capture, completes."""
         data, self._rest = self._rest + data, b""
         at = self._before if len(data) > self._before else 0
         if at:
             yield from super().receive(data[:at])
         while not self._lost:
-            frames = self._run(data, at)
-            if len(frames):
-                yield frames
-                at += len(frames) * self._packets.itemsize
-                self._at += len(frames) * self._packets.itemsize
+            if count := self._run(data, at):
+                at += count * self._packets.itemsize
+                self._at += count * self._packets.itemsize
                 continue
             size = self._size(data, at) if len(data) - at >= self.HEAD else 0
             end = at + size if size else len(data)
@@ -70,32 +68,28 @@ class FastPcap(Pcap):
             if self._rest or at == len(data):
                 break
 
-    def _run(self, data: bytes, at: int) -> Frames:
-        """The frames from `at` up to the first packet of another size or kind."""
-        count = min((len(data) - at) // self._packets.itemsize, self._together)
+    def _run(self, data: bytes, at: int) -> int:
+        """Take the frames from `at` up to the first packet of another size or kind; how many these are."""
+        room = self._gathered.room()
+        count = min((len(data) - at) // self._packets.itemsize, self._together, len(room))
         if native.kernels is not None:
-            frames = empty(count)
-            found = native.kernels.captured_frames(data, at, count, self._known, frames.rows, frames.stamp)
-            self._together = min(2 * self._together, MANY) if found == count else _FEW
-            return frames[:found]
-        packets = np.ndarray(count, self._packets, data, at)
+            found = native.kernels.captured_frames(data, at, count, self._known, room.rows, room.stamp)
+        else:
+            found = self._plain(np.ndarray(count, self._packets, data, at), room)
+        self._together = min(2 * self._together, MANY) if found == count else _FEW
+        self._gathered.took(found)
+        return found
+
+    def _plain(self, packets: npt.NDArray[Any], room: Frames) -> int:
         identifier, length = packets["identifier"].astype(np.uint32), packets["length"].copy()
         plain = (packets["captured"] == self._captured) & (length <= 8) & (identifier & _REMOTE_OR_ERROR == 0)
         plain &= (identifier >= EXTENDED) | (identifier < 1 << 11)
         if self._has_protocol:
             plain &= packets["protocol"] == _PROTOCOL_CAN
-        if plain.all():
-            self._together = min(2 * self._together, MANY)
-        else:
-            self._together = _FEW
-            count = int(plain.argmin())
-        return self._frames(packets[:count], identifier[:count], length[:count])
-
-    def _frames(self, packets: npt.NDArray[Any], identifier: Identifiers, length: Bytes) -> Frames:
-        frames = empty(len(packets))
-        fill(frames.rows, identifier, length, packets["data"])
-        np.multiply(packets["seconds"], 1_000_000_000, out=frames.stamp, dtype=np.int64)
-        fraction = packets["fraction"].astype(np.int64)
-        fraction *= self._nanoseconds
-        np.add(frames.stamp, fraction, out=frames.stamp)
-        return frames
+        count = len(plain) if plain.all() else int(plain.argmin())
+        packets = packets[:count]
+        fill(room.rows[:count], identifier[:count], length[:count], packets["data"])
+        stamp = room.stamp[:count]
+        np.multiply(packets["seconds"], 1_000_000_000, out=stamp, dtype=np.int64)
+        stamp += packets["fraction"].astype(np.int64) * self._nanoseconds
+        return count

@@ -91,6 +91,55 @@ def empty(size: int) -> Frames:
     return Frames(np.empty(size, FRAME), np.empty(size, np.int64))
 
 
+class Gatherer:
+    """Chunks of about `size` frames, put together of pieces of any size; `chunks` are those that are full."""
+
+    def __init__(self, size: int = CHUNK) -> None:
+        self._size = size
+        self._room = empty(0)
+        self._filled = 0
+        self._spill: list[Bytes] = []
+        self._chunks: list[Frames] = []
+
+    def room(self, least: int = 1) -> Frames:
+        """Where the next frames go, `least` of them at least; of those that are filled in, `took` is told."""
+        if len(self._room) - self._filled < least:
+            self._end_chunk()
+            self._room = empty(max(self._size, least))
+        return self._room[self._filled :]
+
+    def took(self, count: int) -> None:
+        """The first `count` frames of the room are filled in."""
+        self._filled += count
+
+    def put(self, frames: Frames) -> None:
+        """The next frames are these."""
+        count = len(frames)
+        room = self.room(count)
+        room.rows[:count], room.stamp[:count] = frames.rows, frames.stamp
+        if len(frames.spill):
+            before = sum(map(len, self._spill))
+            room.rows["data"][:count].view("<u8")[frames.length > 8] += np.uint64(before)
+            self._spill.append(frames.spill)
+        self.took(count)
+
+    def chunks(self) -> list[Frames]:
+        """Those that are full, and were not given yet."""
+        chunks, self._chunks = self._chunks, []
+        return chunks
+
+    def finish(self) -> list[Frames]:
+        """All that is left."""
+        self._end_chunk()
+        return self.chunks()
+
+    def _end_chunk(self) -> None:
+        if self._filled:
+            spill = np.concatenate(self._spill) if self._spill else NO_BYTES
+            self._chunks.append(Frames(self._room.rows[: self._filled], self._room.stamp[: self._filled], spill))
+        self._room, self._filled, self._spill = empty(0), 0, []
+
+
 def fill(rows: Rows, identifier: Identifiers, length: Bytes, data: npt.NDArray[np.uint64]) -> None:
     """Make `rows` of frames of at most eight bytes, with `data` as a number, the first byte lowest."""
     words = rows.view("<u8").reshape(-1, 2)
