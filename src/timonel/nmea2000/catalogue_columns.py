@@ -35,6 +35,7 @@ from timonel.nmea2000.fixed_columns import (
     pieces,
     reader,
     run_columns,
+    with_room,
 )
 
 WINDOW = 256  # bytes that no item or field is longer than
@@ -96,30 +97,34 @@ def select(pgn: int, payloads: Payloads, lengths: Rows) -> list[tuple[Definition
     while len(left):
         first = left[0]
         definition = find(pgn, payloads[first, : lengths[first]].tobytes())
-        same = (heads[left] == heads[first]).all(1)
-        found.setdefault(definition.id if definition else "", (definition, []))[1].append(left[same])
-        left = left[~same]
+        other = reduce(np.bitwise_or, [head != head[0] for head in heads])
+        rest = np.flatnonzero(other)
+        found.setdefault(definition.id if definition else "", (definition, []))[1].append(
+            left[~other] if len(rest) else left
+        )
+        left, heads = left[rest], [head[rest] for head in heads]
     return [(definition, np.sort(np.concatenate(rows)) if rows[1:] else rows[0]) for definition, rows in found.values()]
 
 
-def _heads(pgn: int, payloads: Payloads, lengths: Rows) -> npt.NDArray[np.uint64]:
-    """uint64[n, k]: all that tells the variants of a PGN apart, and how much of it is there."""
-    mask, longest = _distinction(pgn)
-    width = min(longest, payloads.shape[1])
-    padded = np.zeros((len(payloads), -(-longest // 8) * 8), np.uint8)
-    padded[:, :width] = payloads[:, :width] & mask[:width]
-    words = padded.view(np.uint64)
-    short = np.minimum(lengths, longest)
-    return words if (short == longest).all() else np.column_stack((words, short.astype(np.uint64)))
+def _heads(pgn: int, payloads: Payloads, lengths: Rows) -> list[Array]:
+    """All that tells the variants of a PGN apart, and how much of it is there, as numbers, one a row."""
+    masks, longest = _distinction(pgn)
+    width = masks.nbytes
+    words = with_room(payloads, width)[:, :width].view("<u8")
+    heads: list[Array] = [words[:, place] & mask for place, mask in enumerate(masks) if mask]
+    if lengths.min(initial=longest) < longest:
+        heads.append(np.minimum(lengths, longest))
+    return heads or [np.zeros(len(payloads), np.uint8)]
 
 
 @cache
-def _distinction(pgn: int) -> tuple[Payloads, int]:
+def _distinction(pgn: int) -> tuple[npt.NDArray[np.uint64], int]:
+    """Words of which the bits matter that tell the variants of a PGN apart, and how many bytes these take."""
     union = longest = 0
     for definition in candidates(pgn):
         union |= definition.pattern[0]
         longest = max(longest, definition.pattern[2])
-    return np.frombuffer(union.to_bytes(longest, "little"), np.uint8), longest
+    return np.frombuffer(union.to_bytes(-(-longest // 8) * 8, "little"), "<u8"), longest
 
 
 # Columns -------------------------------------------------------------------------------------------
@@ -187,16 +192,32 @@ class _Table:
     ) -> None:
         self.definition = definition
         self.store = store
-        self.rows = np.arange(len(store.payloads)) if rows is None else rows
         self.lengths = store.lengths if rows is None else store.lengths.take(rows)
-        self.begin = self.rows * store.payloads.shape[1]
         self.flavour = flavour
+        self._rows = rows
         self.at: int | Rows = 0
         self.fields: dict[str, AnyColumn] = {}
         self.groups: list[Items] = []
 
     def __len__(self) -> int:
-        return len(self.rows)
+        return len(self.lengths)
+
+    # Of most tables these are not asked for.
+    @cached_property
+    def rows(self) -> Rows:
+        """The rows of the store."""
+        return np.arange(len(self)) if self._rows is None else self._rows
+
+    @cached_property
+    def begin(self) -> Rows:
+        """Where they begin in all that the store has."""
+        begin: Rows = self.rows * self.store.payloads.shape[1]
+        return begin
+
+    @cached_property
+    def shortest(self) -> int:
+        """The fewest bytes of a row; 0 if there are none."""
+        return int(self.lengths.min()) if len(self) else 0
 
     def places(self, ats: Rows) -> Rows:
         """Where these are in all that the store has; at the payload's end, if they are beyond it."""
@@ -225,13 +246,15 @@ class _Table:
 
     def _block(self, size: int, there: Mask | None = None) -> tuple[Payloads, Rows | None]:
         """uint8[n, size or less] from where the rows are, and how many bytes each has if not all have them all."""
+        if isinstance(self.at, int):
+            block = self.store.payloads[:, self.at : self.at + size]
+            if there is None and self.shortest - self.at >= size:
+                return block, None
+        else:
+            block = self.store.windows(self.places(self.at), size)
         have = self.lengths - self.at
         if there is not None:
             have = have * there
-        if isinstance(self.at, int):
-            block = self.store.payloads[:, self.at : self.at + size]
-        else:
-            block = self.store.windows(self.places(self.at), size)
         return block, None if len(have) and have.min() >= size else np.maximum(have, 0)
 
     def _tail(self, field: Field, ends_matter: bool) -> None:
@@ -381,8 +404,8 @@ class _Table:
                 on &= enough
             off = np.flatnonzero(~on)
             ends[rows.take(off)] = at.take(off) - self.begin.take(rows.take(off))
-            on = np.flatnonzero(on)
-            rows, at, end, counts = rows.take(on), at.take(on), end.take(on), counts.take(on)
+            left = np.flatnonzero(on)
+            rows, at, end, counts = rows.take(left), at.take(left), end.take(left), counts.take(left)
         return steps, ends
 
     def _item_after_item(self, part: Repeated, ats: Rows, counts: Rows) -> None:

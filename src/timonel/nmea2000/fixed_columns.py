@@ -107,12 +107,12 @@ def _raw(place: Place) -> Raw:
     smallest = f"<{'i' if signed else 'u'}{_bytes_for(bits)}"
 
     def whole(block: Payloads) -> Array:
-        block = _with_room(block, least)
+        block = with_room(block, least)
         first = place.first
         return np.ascontiguousarray(block[:, first : first + size].view(kept)[:, 0])
 
     def cut(block: Payloads) -> Array:
-        block = _with_room(block, least)
+        block = with_room(block, least)
         first = min(place.first, block.shape[1] - size)
         words, shift = block[:, first : first + size].view(word)[:, 0], place.offset - 8 * first
         if signed:
@@ -125,7 +125,7 @@ def _raw(place: Place) -> Raw:
     return cut if spare else whole
 
 
-def _with_room(block: Payloads, width: int) -> Payloads:
+def with_room(block: Payloads, width: int) -> Payloads:
     """The same with so many bytes a row, at least, that lie side by side."""
     if block.shape[1] < width:
         return np.pad(block, ((0, 0), (0, width - block.shape[1])))
