@@ -21,6 +21,7 @@ Payloads = npt.NDArray[np.uint8]
 Rows = npt.NDArray[np.intp]
 Mask = npt.NDArray[np.bool_]
 WIDTHS = (1, 2, 4, 8)
+_least, _most = np.minimum.reduce, np.maximum.reduce  # without the way that `min` and `max` take to them
 
 
 class Column(msgspec.Struct, frozen=True):
@@ -194,12 +195,12 @@ def _outside(number: Number) -> Callable[[Array], Mask | None]:
     least = -(1 << bits - 1) if number.signed else 0
     if lowest <= least:
         return lambda raw: _above(raw, highest)
-    return lambda raw: either(_above(raw, highest), raw < lowest if raw.min(initial=0) < lowest else None)
+    return lambda raw: either(_above(raw, highest), raw < lowest if _least(raw, initial=0) < lowest else None)
 
 
 def _above(raw: Array, highest: int) -> Mask | None:
     # To look for the largest one first is quicker than to compare all, and mostly there is no more to do.
-    above: Mask | None = raw > highest if raw.max(initial=0) > highest else None
+    above: Mask | None = raw > highest if _most(raw, initial=0) > highest else None
     return above
 
 

@@ -26,8 +26,9 @@ from timonel.vehicles.rover.declaration import RoverFrame
 from timonel.vehicles.rover.protocol import Protocol
 from timonel.vehicles.rover.segments import SINGLE, Joiner
 
-CHUNK = 1 << 19
-"""Frames at a time: what is done once a table and chunk costs less than what is done once a row."""
+CHUNK = 1 << 20
+"""Frames at a time: what is done once a table and chunk costs less than what is done once a row, and the memory stays
+below 150 MiB."""
 
 _LARGEST = (1 << 25) - (1 << 13)  # bytes of the largest block that glibc may keep, with what stands around it
 
