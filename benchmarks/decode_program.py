@@ -11,7 +11,6 @@ what all threads of a program took, `memory` the most that was resident, `first`
 import argparse
 import json
 import os
-import resource
 import shutil
 import subprocess
 import sys
@@ -72,7 +71,6 @@ def programs(log: Path, short: Path, frames: int) -> Iterator[Program]:
 
 def run(program: Program) -> Run:
     out = tempfile.mkdtemp(prefix="decode-")
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     began = time.perf_counter()
     process = subprocess.Popen(
         [part.format(out=out) if part == "{out}" else part for part in program.command],
@@ -82,26 +80,15 @@ def run(program: Program) -> Run:
     assert process.stdout is not None
     process.stdout.read(1)
     first = time.perf_counter() - began
-    memory = 0.0
     while process.stdout.read(1 << 20):
-        memory = max(memory, resident(process.pid))
-    process.wait()
+        pass
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
     wall = time.perf_counter() - began
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
     shutil.rmtree(out)
     if process.returncode:
         raise SystemExit(f"{program.name} failed")
-    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return Run(wall, cpu, first, max(memory, after.ru_maxrss / 1024 if after.ru_maxrss > before.ru_maxrss else 0.0))
-
-
-def resident(pid: int) -> float:
-    """The most that was resident of a process so far, MiB; 0 if it has ended."""
-    try:
-        status = Path(f"/proc/{pid}/status").read_text()
-    except OSError:
-        return 0.0
-    return next((int(line.split()[1]) / 1024 for line in status.splitlines() if line.startswith("VmHWM")), 0.0)
+    return Run(wall, used.ru_utime + used.ru_stime, first, used.ru_maxrss / 1024)
 
 
 def input_files(folder: Path, frames: int) -> tuple[Path, Path]:
