@@ -55,6 +55,8 @@ bench: $(VENV)/dev
 	$(BIN)/python -m benchmarks.rover
 	$(BIN)/python -m benchmarks.framing
 	$(BIN)/python -m benchmarks.recorder
+	$(BIN)/python -m benchmarks.decode
+	$(BIN)/python -m benchmarks.decode_program
 	$(BIN)/python -m benchmarks.convert
 
 lock: $(VENV)/dev
