@@ -10,9 +10,11 @@ NONE        no address is free: "cannot claim" from 254                   after 
 heard                                           what we do
 a claim of our address by a higher NAME         claim it again
 a claim of our address by a lower NAME          claim the next free address; none: NONE
-a claim by our own NAME                         what we said a second ago comes back; else it is a twin: our device
-                                                instance moves on by one and the address is claimed anew, as the
-                                                Arduino NMEA 2000 library (ttlappalainen) does
+a claim by our own NAME                         what we said a second ago comes back; else it is a twin, and its
+                                                address tells which of us moves on
+    from a lower address, or our own            our device instance moves on by one and the address is claimed anew,
+                                                as the Arduino NMEA 2000 library (ttlappalainen) does
+    from a higher address                       we claim again, so that it moves on; has it not within 0.5 s, we do
 a request for claims                            the claim again, or "cannot claim"
 65240 with our NAME                             claim the address that it says
 
@@ -38,6 +40,7 @@ SILENCE = 0.25  # s
 RETRY = 10.0  # s
 CLAIM_INTERVAL = 0.1  # s
 ECHO = 1.0  # s within which what we said may come back
+TWIN = 0.5  # s in which a twin may move on: were both to move at once, they would be twins again
 INSTANCE_AT = 32  # the first of the eight bits of the device instance in a NAME
 NEVER = float("inf")
 
@@ -89,16 +92,21 @@ class Claimer:
         self._owed = False
         self._pace = Pace(CLAIM_INTERVAL)
         self._said: dict[tuple[int, int], float] = {}
+        self._twin = NULL  # the address of one that is to move on
+        self._twin_due = NEVER
         sender.address = NULL
 
     @property
     def deadline(self) -> float:
         """When `expire` should be called, s."""
-        return min(self._due, self._pace.opens) if self._owed else self._due
+        due = min(self._due, self._twin_due)
+        return min(due, self._pace.opens) if self._owed else due
 
     def expire(self, now: float) -> list[Effect]:
         """What the passing of time brings about."""
         effects = self._pay(now)
+        if now >= self._twin_due:
+            return effects + self._move_on(now)
         if now < self._due:
             return effects
         match self.state:
@@ -112,6 +120,8 @@ class Claimer:
         """Somebody with this NAME claimed an address."""
         if name == self.name:
             return self._met_our_name(address, now)
+        if address == self._twin:
+            self._twin, self._twin_due = NULL, NEVER
         if address != self._sender.address or address == NULL:
             return []
         if self.name < name:
@@ -179,6 +189,15 @@ class Claimer:
         said = self._said.get((address, self.name))
         if said is not None and now < said + ECHO:
             return []
+        if address <= self._sender.address:
+            return self._move_on(now)
+        if self._twin_due == NEVER:
+            self._twin, self._twin_due = address, now + TWIN
+        return self._say(now)
+
+    def _move_on(self, now: float) -> list[Effect]:
+        """Become the next of our kind."""
+        self._twin, self._twin_due = NULL, NEVER
         return self.rename(with_instance(self.name, (self.name >> INSTANCE_AT) + 1), now)
 
     def _say(self, now: float) -> list[Effect]:

@@ -142,10 +142,59 @@ def test_a_twin_moves_our_instance_on() -> None:
     assert end.node.name == twin
 
 
-def test_a_twin_at_another_address_moves_our_instance_on_too() -> None:
+def test_a_twin_at_a_lower_address_moves_our_instance_on_too() -> None:
+    bus, end = settled()
+    bus.claim(OURS.name, 34)
+    assert end.node.name == with_instance(OURS.name, 1)
+
+
+def test_a_twin_at_a_higher_address_is_told_to_move_on() -> None:
+    bus, end = settled()
+    assert bus.claim(OURS.name, 77) == [((6, 60928, 35, 255), OURS.name.to_bytes(8, "little"))]
+    bus.run(1.0)
+    bus.claim(with_instance(OURS.name, 1), 77)
+    bus.run(3.0)
+    assert end.node.name == OURS.name
+
+
+def test_a_twin_that_does_not_move_on_moves_us() -> None:
     bus, end = settled()
     bus.claim(OURS.name, 77)
+    bus.run(1.0)
+    bus.claim(OURS.name, 77)  # again: it does not get more time for that
+    assert end.node.name == OURS.name
+    bus.run(1.2)
     assert end.node.name == with_instance(OURS.name, 1)
+    bus.run(3.0)
+    assert (end.happened, end.node.name) == ([AddressClaimed(35, end.node.name)], with_instance(OURS.name, 1))
+
+
+def test_what_others_claim_does_not_tell_that_the_twin_has_moved_on() -> None:
+    bus, end = settled()
+    bus.claim(OURS.name, 77)
+    bus.claim(HIGHER, 78)
+    bus.run(1.2)
+    assert end.node.name == with_instance(OURS.name, 1)
+
+
+@pytest.mark.parametrize("travel", [0.0, 0.01, 0.03, 0.1, 0.2])
+@pytest.mark.parametrize("addresses", [(35, 36), (36, 35), (0, 251)])
+def test_two_of_a_kind_whose_claims_cross_do_not_go_on_claiming(addresses: tuple[int, int], travel: float) -> None:
+    """As two gateways of one computer do, of which one hears the bus through the other."""
+    ends = [End(OURS, address) for address in addresses]
+    said = 0
+    under_way: list[tuple[float, End, Frame]] = []
+    for now in (step / 100 for step in range(500)):
+        arrived = [(end, frame) for due, end, frame in under_way if due <= now]
+        under_way = [each for each in under_way if each[0] > now]
+        spoken = [(end, end.expire(now)) for end in ends] + [(end, end.hear(frame, now)) for end, frame in arrived]
+        for speaker, frames in spoken:
+            said += sum(frame.identifier >> 8 & 0xFF00 == 0xEE00 for frame in frames)
+            under_way += [(now + travel, end, frame) for frame in frames for end in ends if end is not speaker]
+    assert [end.node.operating for end in ends] == [True, True]
+    assert {end.node.address for end in ends} == set(addresses)
+    assert ends[0].node.name != ends[1].node.name
+    assert said <= 8
 
 
 def test_a_twin_that_is_heard_while_we_look_around_changes_our_name_before_it_is_said() -> None:
