@@ -210,7 +210,12 @@ def test_the_helm_is_worked_with_the_keyboard_alone(browser: Browser, boat: Demo
 
 
 def _wait_for_setpoint(console: Console, course: float) -> None:
-    wait_until(lambda: _apart(console.degrees("setpoint"), course) < 0.2, f"set point {course:.1f}")
+    try:
+        wait_until(lambda: _apart(console.degrees("setpoint"), course) < 0.2, f"set point {course:.1f}")
+    except AssertionError as failed:
+        focus = console.page.evaluate("document.activeElement.outerHTML")[:200]
+        shown = console.page.locator("body").inner_text()
+        raise AssertionError(f"{failed}\nfocus: {focus}\nshown: {shown}") from failed
 
 
 def _tab_to(console: Console, selector: str) -> None:
