@@ -99,6 +99,7 @@ class Gatherer:
         self._room = empty(0)
         self._filled = 0
         self._spill: list[Bytes] = []
+        self._spilled = 0
         self._chunks: list[Frames] = []
 
     def room(self, least: int = 1) -> Frames:
@@ -118,9 +119,9 @@ class Gatherer:
         room = self.room(count)
         room.rows[:count], room.stamp[:count] = frames.rows, frames.stamp
         if len(frames.spill):
-            before = sum(map(len, self._spill))
-            room.rows["data"][:count].view("<u8")[frames.length > 8] += np.uint64(before)
+            room.rows["data"][:count].view("<u8")[frames.length > 8] += np.uint64(self._spilled)
             self._spill.append(frames.spill)
+            self._spilled += len(frames.spill)
         self.took(count)
 
     def chunks(self) -> list[Frames]:
@@ -137,7 +138,8 @@ class Gatherer:
         if self._filled:
             spill = np.concatenate(self._spill) if self._spill else NO_BYTES
             self._chunks.append(Frames(self._room.rows[: self._filled], self._room.stamp[: self._filled], spill))
-        self._room, self._filled, self._spill = empty(0), 0, []
+        self._room, self._filled = empty(0), 0
+        self._spill, self._spilled = [], 0
 
 
 def fill(rows: Rows, identifier: Identifiers, length: Bytes, data: npt.NDArray[np.uint64]) -> None:

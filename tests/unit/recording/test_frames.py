@@ -3,7 +3,7 @@
 import numpy as np
 
 from timonel.recording import LogFrame
-from timonel.recording.frames import EXTENDED, NO_STAMP, concatenate, empty, from_logframes
+from timonel.recording.frames import EXTENDED, NO_STAMP, Gatherer, concatenate, empty, from_logframes
 
 SHORT = LogFrame(1620807235.135421, 0x09F8017F, b"\x3e\x17\xb3")
 STANDARD = LogFrame(None, 0x6C, bytes(range(8)), extended=False)
@@ -41,6 +41,23 @@ def test_frames_put_behind_each_other_keep_their_long_messages():
     other = LogFrame(2.5, 0x09F8017E, bytes(range(50, 70)), whole=True)
     parts = [from_logframes([LONG, SHORT]), from_logframes([]), from_logframes([STANDARD, other, LONG])]
     assert list(concatenate(parts).logframes()) == [LONG, SHORT, STANDARD, other, LONG]
+
+
+def test_gathered_frames_come_in_chunks_with_their_long_messages():
+    other = LogFrame(2.5, 0x09F8017E, bytes(range(50, 70)), whole=True)
+    gathered = Gatherer(3)
+    for frames in ([LONG], [SHORT, other], [STANDARD, other], [LONG], [SHORT]):
+        gathered.put(from_logframes(frames))
+    chunks = [list(chunk.logframes()) for chunk in (*gathered.chunks(), *gathered.finish())]
+    assert chunks == [[LONG, SHORT, other], [STANDARD, other, LONG], [SHORT]]
+
+
+def test_what_is_more_than_a_chunk_is_a_chunk_of_its_own():
+    gathered = Gatherer(2)
+    gathered.put(from_logframes([SHORT]))
+    gathered.put(from_logframes([SHORT, LONG, STANDARD]))
+    assert [len(chunk) for chunk in gathered.finish()] == [1, 3]
+    assert gathered.finish() == []
 
 
 def test_no_frames_put_behind_each_other_are_none():
