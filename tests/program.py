@@ -8,11 +8,13 @@ import asyncio
 import ctypes
 import json
 import os
+import random
 import signal
 import socket
 import subprocess
 import time
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from math import degrees, radians
 from pathlib import Path
 from types import TracebackType
@@ -33,9 +35,14 @@ TICK = 0.1  # s between the frames of a 10 Hz source
 
 
 def free_port() -> int:
-    """A TCP port that nobody has now."""
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        return int(server.getsockname()[1])
+    """A TCP port that nobody has now, nor is given for a connection of his own before it is used: those begin at 32768.
+
+    As many tests as there are processes ask at a time, so it is none that follows the one before.
+    """
+    while True:
+        port = random.SystemRandom().randrange(20_000, 32_000)
+        with suppress(OSError), socket.create_server(("127.0.0.1", port)):
+            return port
 
 
 async def until(condition: Callable[[], object], what: str, within: float = 10.0) -> float:

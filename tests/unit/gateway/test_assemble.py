@@ -1,11 +1,11 @@
 import asyncio
 import os
-import socket
 from functools import partial
 from pathlib import Path
 
 import pytest
 
+from tests.program import free_port
 from timonel.core.frame import Frame
 from timonel.errors import LinkError
 from timonel.gateway.assemble import assemble
@@ -29,11 +29,6 @@ def configured(directory: Path, port: int) -> Configuration:
         [[output]]
         url = "tcp-listen://127.0.0.1:{port}"
         """)
-
-
-def free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        return int(server.getsockname()[1])
 
 
 async def until(fd: int, word: bytes) -> bytes:
