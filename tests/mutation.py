@@ -24,6 +24,7 @@ ROOT = Path(__file__).parents[1]
 EQUIVALENT = Path(__file__).with_name("mutation_equivalent.toml")
 TESTS = {
     "timonel.core.command": ("tests/unit/core/test_command.py", "tests/property/test_exploration.py"),
+    "timonel.nmea2000.claim": ("tests/unit/nmea2000/test_claim.py",),
     "timonel.vehicles.boat.pilot": ("tests/unit/boat/test_pilot.py", "tests/property/test_exploration.py"),
     "timonel.vehicles.boat.helm": (
         "tests/unit/boat/test_helm.py",

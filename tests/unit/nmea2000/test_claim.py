@@ -114,6 +114,7 @@ def test_a_bus_without_a_free_address_is_told_so_and_tried_again() -> None:
     bus.run(bus.now + 11.0)  # nobody answers the scan: all of them have gone
     assert end.node.operating
     assert end.happened[-1] == AddressClaimed(end.node.address, OURS.name)
+    assert min(now for now, target, _ in bus.said if target.pgn == IsoRequest.PGN and now > 2) == 10.6
 
 
 @pytest.mark.parametrize(("source", "destination"), [(254, 255), (254, 35), (7, 255), (7, 35)])
@@ -212,6 +213,58 @@ def test_our_own_claim_that_comes_back_is_no_twin() -> None:
     assert bus.claim(OURS.name, 35) == []
     assert end.node.name == OURS.name
     assert end.devices.at(35) is None
+
+
+def test_what_comes_back_a_second_later_is_a_twin() -> None:
+    bus, end = settled()
+    bus.say(WHO, 7)  # so that the claim is said now, at 0.6
+    bus.run(1.59)
+    bus.claim(OURS.name, 35)
+    assert end.node.name == OURS.name
+    bus.run(1.6)
+    bus.claim(OURS.name, 35)
+    assert end.node.name == with_instance(OURS.name, 1)
+
+
+def test_a_claim_that_comes_back_after_its_address_was_lost_is_no_twin() -> None:
+    bus, end = settled()
+    bus.say(WHO, 7)
+    bus.claim(LOWER, 35)
+    bus.run(1.0)
+    assert end.node.address == 36
+    bus.claim(OURS.name, 35)
+    assert end.node.name == OURS.name
+
+
+def test_who_was_heard_as_the_scan_began_has_its_address() -> None:
+    end = End(OURS)
+    bus = Bus(end)
+    bus.run(0.05)
+    bus.claim(HIGHER, 35)
+    bus.run(1.0)
+    assert end.node.address == 36
+
+
+def test_the_last_moment_in_which_a_twin_may_move_on_is_over_at_half_a_second() -> None:
+    bus, end = settled()
+    bus.claim(OURS.name, 77)
+    bus.run(1.09)
+    assert end.node.name == OURS.name
+    bus.run(1.1)
+    assert end.node.name == with_instance(OURS.name, 1)
+
+
+def test_the_instance_after_the_last_is_the_first() -> None:
+    assert with_instance(OURS.name, 255) == OURS.name | 255 << 32
+    assert with_instance(with_instance(OURS.name, 255), 256) == OURS.name
+
+
+@pytest.mark.parametrize("address", [0, 251])
+def test_the_first_and_the_last_address_may_be_commanded(address: int) -> None:
+    bus, end = settled()
+    bus.say(Outgoing(65240, OURS.name.to_bytes(8, "little") + bytes((address,))), 7)
+    bus.run(1.0)
+    assert end.node.address == address
 
 
 def test_a_commanded_address_is_taken() -> None:
