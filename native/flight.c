@@ -4,18 +4,16 @@
 enum {
     RECORD_HEAD = 9, SIZE = 1, MESSAGE = 5, CHANNEL = 9, STAMP = 15, MESSAGE_HEAD = 31, /* mcap.dev/spec */
     BEFORE_ROWS = 8, LENGTH = 4, FLAGS = 5, DATA = 8, ELAPSED = 16, ROW = 24,           /* recording/flight.py */
-    FRAME = 16
+    SENT = 1, FRAME = 16
 };
 
 /* A row of `bus` becomes a frame and a stamp; false if it is longer than a frame. */
 static inline bool one_row(const u8 *row, i64 stamp, u8 *frame, i64 *stamped)
 {
     u32 length = row[LENGTH];
-    if (length > 8 || row[FLAGS] > 1)
+    if (length > 8 || row[FLAGS] > SENT)
         return false;
-    u64 kept = length ? ~(u64)0 >> (64 - 8 * length) : 0;
-    store8(frame, (u64)length << 32 | load4(row));
-    store8(frame + DATA, load8(row + DATA) & kept);
+    put_row(frame, load4(row), length, load8(row + DATA));
     *stamped = stamp + (i64)load4(row + ELAPSED) * 1000;
     return true;
 }

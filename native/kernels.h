@@ -32,6 +32,13 @@ static inline u64 load8(const u8 *at) { u64 word; memcpy(&word, at, 8); return w
 static inline void store4(u8 *at, u32 word) { memcpy(at, &word, 4); }
 static inline void store8(u8 *at, u64 word) { memcpy(at, &word, 8); }
 
+/* A row of at most eight bytes: SocketCAN's, with zeros behind the data. */
+static inline void put_row(u8 *row, u32 identifier, u32 length, u64 data)
+{
+    store8(row, (u64)length << 32 | identifier);
+    store8(row + 8, length ? data & ~(u64)0 >> (64 - 8 * length) : 0);
+}
+
 /* Arguments: buffers of the callers' arrays, which must be contiguous. */
 typedef struct {
     Py_buffer *views;

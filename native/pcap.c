@@ -26,9 +26,7 @@ static inline bool one_packet(const u8 *packet, const Packets *known, u8 *row, i
         return false;
     if (known->protocol >= 0 && (packet[known->protocol] || packet[known->protocol + 1] != CAN_PROTOCOL))
         return false;
-    u64 kept = length ? ~(u64)0 >> (64 - 8 * length) : 0;
-    store8(row, (u64)length << 32 | identifier);
-    store8(row + DATA, load8(frame + DATA) & kept);
+    put_row(row, identifier, length, load8(frame + DATA));
     *stamp = (i64)((u64)number(packet + SECONDS, known->swapped) * 1000000000u
                    + (u64)number(packet + FRACTION, known->swapped) * (u64)known->nanoseconds);
     return true;

@@ -99,9 +99,8 @@ def select(pgn: int, payloads: Payloads, lengths: Rows) -> list[tuple[Definition
         definition = find(pgn, payloads[first, : lengths[first]].tobytes())
         other = reduce(np.bitwise_or, [head != head[0] for head in heads])
         rest = np.flatnonzero(other)
-        found.setdefault(definition.id if definition else "", (definition, []))[1].append(
-            left[~other] if len(rest) else left
-        )
+        same = left[~other] if len(rest) else left
+        found.setdefault(definition.id if definition else "", (definition, []))[1].append(same)
         left, heads = left[rest], [head[rest] for head in heads]
     return [(definition, np.sort(np.concatenate(rows)) if rows[1:] else rows[0]) for definition, rows in found.values()]
 
