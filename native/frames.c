@@ -2,6 +2,7 @@
 
    A row has 16 bytes: identifier (4; bit 31: extended), length, flags, 2 unused, data (8). */
 #include "kernels.h"
+#include "sorting.h"
 
 enum { ROW = 16, LENGTH = 4, DATA = 8, WHOLE_FLAG = 1, STANDARD = 1 << 18, PLACES = STANDARD + 0x800 };
 
@@ -52,31 +53,6 @@ PyObject *frame_codes(PyObject *module, PyObject *arguments)
     return PyBool_FromLong(flags & WHOLE_FLAG);
 }
 
-/* Rows that are looked at together: what they are sorted into stays in the processor's cache. What is done with each
-   row is the same for all of them, as a processor guesses wrongly which of them are wanted. */
-enum { BLOCK = 1 << 13, CODES_MAX = 1 << 16 };
-
-/* The codes that are wanted: their `count`, the code of each, and the number of each code, `count` for all others. */
-typedef struct {
-    u16 *number, *code;
-    u32 count;
-} Kinds;
-
-/* The rows of a block in the order of their kinds; `ends` says where those of each kind end. */
-static inline void sort_block(const u16 *codes, i64 count, const Kinds *chosen, u32 *ends, u16 *order)
-{
-    u16 kinds[BLOCK];
-    memset(ends, 0, 4 * (size_t)(chosen->count + 2));
-    for (i64 row = 0; row < count; row++) {
-        kinds[row] = chosen->number[codes[row]];
-        ends[kinds[row] + 1]++; /* one further on: each begins where the one before it ends */
-    }
-    for (u32 kind = 1; kind <= chosen->count; kind++)
-        ends[kind] += ends[kind - 1];
-    for (i64 row = 0; row < count; row++)
-        order[ends[kinds[row]]++] = (u16)row;
-}
-
 /* (rows, stamps, codes, next, row, stamp, identifier, length, data) -> None: rows with code c go, in their order, from
    next[c] on; those where it is negative nowhere. Of int64: stamps, next, row, stamp, length. */
 PyObject *single_frames(PyObject *module, PyObject *arguments)
@@ -110,25 +86,20 @@ PyObject *single_frames(PyObject *module, PyObject *arguments)
         *length = views[LENGTH_OF].buf;
     u32 *identifier = views[IDENTIFIER].buf;
     u8 *data = views[DATA_OF].buf;
-    Kinds chosen = {malloc(2 * CODES_MAX), malloc(2 * CODES_MAX), 0};
-    u32 *ends = NULL;
-    i32 trouble = !chosen.number || !chosen.code;
+    Kinds chosen;
+    i32 trouble = take_kinds(&chosen);
     Py_BEGIN_ALLOW_THREADS
     if (!trouble) {
         for (i64 code = 0; code < kinds; code++)
             if (next[code] >= 0)
                 chosen.code[chosen.count++] = (u16)code;
-        for (i64 code = 0; code < CODES_MAX; code++)
-            chosen.number[code] = (u16)chosen.count;
-        for (u32 kind = 0; kind < chosen.count; kind++)
-            chosen.number[chosen.code[kind]] = (u16)kind;
-        ends = malloc(4 * (size_t)(chosen.count + 2));
-        trouble = !ends;
+        trouble = number_kinds(&chosen);
     }
     for (i64 begin = 0; begin < count && !trouble; begin += BLOCK) {
         u16 order[BLOCK];
         i64 some = count - begin < BLOCK ? count - begin : BLOCK;
-        sort_block(codes + begin, some, &chosen, ends, order);
+        sort_block(codes + begin, some, &chosen, order);
+        const u32 *ends = chosen.ends;
         u32 from = 0;
         for (u32 kind = 0; kind < chosen.count && !trouble; from = ends[kind++]) {
             i64 at = next[chosen.code[kind]], size = ends[kind] - from;
@@ -149,9 +120,7 @@ PyObject *single_frames(PyObject *module, PyObject *arguments)
         }
     }
     Py_END_ALLOW_THREADS
-    free(chosen.number);
-    free(chosen.code);
-    free(ends);
+    give_kinds_back(&chosen);
     give_buffers_back(&buffers);
     if (trouble == 1)
         return PyErr_NoMemory();

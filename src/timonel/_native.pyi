@@ -70,8 +70,27 @@ def fast_packets(
 def cut_payloads(payloads: Array, offset: Array, size: Array, cells: Array, width: int, /) -> None:
     """`size` bytes from each offset, and zeros, to rows of `width` bytes."""
 
+def scaled_numbers(
+    block: Array, first: int, shift: int, bits: int, signed: bool, lowest: int, highest: int, add: int, factor: float,
+    divided: bool, offset: float, values: Array, /,
+) -> None:
+    """`values` float64[n] of a field in each row of `block` uint8[n, width], whose rows may be apart: what it has from
+    bit `shift` of byte `first` on, `add`ed to as it is, multiplied with `factor` or divided by it, and `offset` added;
+    NaN where the raw value is below `lowest` or above `highest`."""
+
+def whole_numbers(
+    block: Array, first: int, shift: int, bits: int, signed: bool, size: int, values: Array, /
+) -> None:
+    """The same as integers of `size` bytes."""
+
 def gather(flat: Array, places: Array, cells: Array, size: int, /) -> None:
     """`size` bytes from each place, side by side."""
+
+def values_by_kind(
+    flat: Array, kinds: Array, places: Array, left: Array, order: Array, words: Array, ends: Array, least: Array, /
+) -> int:
+    """How many `kinds` (uint16) there are. The numbers of the places by kind, and the eight bytes `words` that stand
+    there; `ends` is where those of each kind end, `least` how much is left behind those of a kind at least."""
 
 def item_places(
     flat: Array, steps: Array, values: Array, at: Array, end: Array, count: Array, least: int, found: Array,

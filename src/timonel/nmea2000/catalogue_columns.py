@@ -141,6 +141,15 @@ def columns(definition: Definition, payloads: Payloads, lengths: Rows, labels: b
     return Columns(definition, {name: table.fields[name] for name in order}, tuple(table.groups))
 
 
+class _Kind(msgspec.Struct, frozen=True, eq=False, gc=False):
+    """Rows with one kind of value: their numbers, the fewest bytes that are left in one of them, and the first eight
+    bytes of each, if they are known."""
+
+    rows: Rows
+    least: int
+    words: Payloads | None
+
+
 class _Store:
     """The payloads of all rows in one piece, to take windows from."""
 
@@ -167,6 +176,20 @@ class _Store:
             return cells
         found: Payloads = _everywhere(self.flat, f"V{size}")[places].view(np.uint8).reshape(-1, size)
         return found
+
+    def by_kind(self, kinds: Array, places: Rows, left: Rows) -> list[_Kind]:
+        """What stands at some places, of which so much is left of their payloads, sorted by kind."""
+        count = len(kinds)
+        if native.kernels is None or kinds.dtype.itemsize > 2:
+            order = np.argsort(kinds, kind="stable")
+            bounds = [0, *(np.flatnonzero(np.diff(kinds.take(order))) + 1).tolist(), count] if count else []
+            groups = [order[start:end] for start, end in pairwise(bounds)]
+            return [_Kind(rows, int(left.take(rows).min()), None) for rows in groups]
+        order, ends, least = (np.empty(count, np.intp) for _ in range(3))
+        words = np.empty((count, 8), np.uint8)
+        found = native.kernels.values_by_kind(self.flat, kinds, places, left, order, words, ends, least)
+        spans = zip(pairwise((0, *ends[:found].tolist())), least[:found].tolist(), strict=True)
+        return [_Kind(order[start:end], fewest, words[start:end]) for (start, end), fewest in spans]
 
     def pieces(self, places: Rows, sizes: Rows) -> list[bytes]:
         """Some bytes from some places in `flat` on."""
@@ -223,6 +246,13 @@ class _Table:
         places: Rows = self.begin + np.minimum(ats, self.lengths)
         return places
 
+    def _places_and_left(self, ats: Rows) -> tuple[Rows, Rows]:
+        """`places`, and how many bytes of each payload follow."""
+        left = self.lengths - ats
+        if len(left) and left.min() >= 0:
+            return self.begin + ats, left
+        return self.places(ats), np.maximum(left, 0)
+
     def read(self, parts: Sequence[Any], ends_matter: bool = True) -> None:
         """Read these parts; `at` is where they end, if that matters."""
         for number, part in enumerate(parts, 1):
@@ -250,7 +280,10 @@ class _Table:
             if there is None and self.shortest - self.at >= size:
                 return block, None
         else:
-            block = self.store.windows(self.places(self.at), size)
+            places, have = self._places_and_left(self.at)
+            block = self.store.windows(places, size)
+            if there is None:
+                return block, None if len(have) and have.min() >= size else have
         have = self.lengths - self.at
         if there is not None:
             have = have * there
@@ -286,35 +319,45 @@ class _Table:
         """Values whose kind their key tells: those of one kind at a time."""
         keyed = scalar.Keyed(key, length, self.flavour)
         told = self.fields[key.id] if key else None, self.fields[length.id] if length else None
-        kinds = _kinds(*told, len(self))
-        order = np.argsort(kinds, kind="stable")
-        places, left = self.places(ats).take(order), np.maximum(self.lengths - ats, 0).take(order)
-        starts = [0, *(np.flatnonzero(np.diff(kinds.take(order))) + 1).tolist()] if len(order) else []
-        parts, sizes = [], [np.empty(0, np.intp)]
-        for start, end in pairwise([*starts, len(order)]):
-            some, code, size = slice(start, end), _code(told[0], order[start]), _code(told[1], order[start])
+        places, left = self._places_and_left(ats)
+        parts, ends = [], ats.copy() if ends_matter else ats
+        for some in self.store.by_kind(_kinds(*told, len(self)), places, left):
+            rows = some.rows
+            code, size = _code(told[0], rows[0]), _code(told[1], rows[0])
             have = keyed.size(code, size)
-            sizes.append(left[some] if have is None else np.minimum(left[some], have))
-            column = self._of_kind(places[some], sizes[-1], have, keyed, code, size)
-            parts.append((order[some], column))
+            values = self._number(some, have, keyed, code, places)
+            if values is None or ends_matter:
+                sizes = left.take(rows) if have is None else np.minimum(left.take(rows), have)
+            if values is None:
+                values = self._of_kind(places.take(rows), sizes, keyed, code, size)
+            if ends_matter:
+                ends[rows] += sizes
+            parts.append((rows, values))
+        self.at = ends
         self.fields[field.id] = Mixed(field, len(self), tuple(parts))
-        if ends_matter:
-            self.at = ats.copy()
-            self.at[order] += np.concatenate(sizes)
+
+    def _number(
+        self, some: _Kind, have: int | None, keyed: scalar.Keyed, code: int | None, places: Rows
+    ) -> Column | None:
+        """The values of one key and of `have` bytes each, if that is a number and nothing is cut short."""
+        told = keyed.told(code)
+        if told is None or not have or some.least < have:
+            return None
+        number = scalar.sized(told, have)
+        if number is None or not isinstance(kind(number), Number):
+            return None
+        (place,) = single(number).places  # type: ignore[union-attr]
+        words = some.words
+        cells = self.store.windows(places.take(some.rows), have) if words is None or have > 8 else words[:, :have]
+        return reader(place)(cells, None)
 
     def _of_kind(
-        self, places: Rows, sizes: Rows, have: int | None, keyed: scalar.Keyed, code: int | None, length: int | None
+        self, places: Rows, sizes: Rows, keyed: scalar.Keyed, code: int | None, length: int | None
     ) -> Column:
-        """The values of one key and one length, each of which has some bytes, `have` if it is not cut short."""
-        told = keyed.told(code)
-        if told is not None and have and sizes.min() == have:
-            number = scalar.sized(told, have)
-            if number is not None and isinstance(kind(number), Number):
-                (place,) = single(number).places  # type: ignore[union-attr]
-                return reader(place)(self.store.windows(places, have), None)
+        """The values of one key and one length, each of which has some bytes."""
         found = self.store.pieces(places, sizes)
         known = {raw: keyed.read(raw, 0, code, length)[0] for raw in set(found)}
-        return Column(told or Field(), objects([known[raw] for raw in found]))
+        return Column(keyed.told(code) or Field(), objects([known[raw] for raw in found]))
 
     def _repeated(self, part: Repeated) -> None:
         group, ats = part.group, np.broadcast_to(np.asarray(self.at, np.intp), len(self))
@@ -338,15 +381,16 @@ class _Table:
         room = (self.lengths - ats - part.least) // size + 1
         counts = np.maximum(np.minimum(counts, room), 0)
         rows = np.repeat(np.arange(len(self)), counts)
-        firsts = np.cumsum(counts) - counts
-        places = ats[rows] + size * (np.arange(len(rows)) - firsts[rows])
-        have = self.lengths[rows] - places
+        # The first item of each row is so far from where it would be if all items stood side by side.
+        first = self.begin + ats - size * (np.cumsum(counts) - counts)
+        places = np.repeat(first, counts) + np.arange(0, size * len(rows), size)
         (run,) = part.parts
         assert isinstance(run, Run)
-        whole = None if len(have) and have.min() >= size else np.maximum(have, 0)
-        block = self.store.windows(self.begin[rows] + places, size)
-        self.groups.append(Items(part.group, rows, run_columns(run, block, whole)))
         self.at = ats + size * counts
+        have = None
+        if not len(rows) or (self.at > self.lengths).any():
+            have = np.maximum(np.repeat(self.begin + self.lengths, counts) - places, 0)
+        self.groups.append(Items(part.group, rows, run_columns(run, self.store.windows(places, size), have)))
 
     def _items(self, part: Repeated, ats: Rows, counts: Rows) -> None:
         """Items of many sizes: where each of them stands is found first, then all are read at once."""
