@@ -149,19 +149,27 @@ typedef struct {
 } Slot;
 _Static_assert(sizeof(Slot) <= SLOT_SIZE, "a slot is larger than the room for it");
 
+/* What is kept for the messages of one code: where among the payloads the next one goes, and how many frames may come. */
+typedef struct {
+    i64 bytes, frames;
+} Share;
+
 /* Where the results go; frames are counted among those of fast packets, runs from 0. */
 typedef struct {
     i64 *row;                 /* of each frame */
-    i32 *run;                 /* of each frame */
     i64 *begin, *last;        /* rows of a run's first and last frame */
     i32 *count;               /* of a run's frames */
     u16 *slot;                /* of a run */
     u8 *dirty;                /* a flag a run */
-    i32 *message;             /* the run of each message */
-    i64 *offset;              /* of each message among the payloads */
+    Share *shares;            /* by code */
+    i64 *place;               /* by code: where its next message goes */
+    i32 *message;             /* the run of each message, whose frames are no more than those of its code */
+    i64 *completed;           /* the row of its last frame */
+    u32 *identifier;
+    i64 *size, *offset;       /* of a message, and where it stands among the payloads */
     u8 *payloads;
-    i32 *next;                /* the frame that follows in the run */
-    i64 runs, frames, messages, bytes, room;
+    i32 *run, *next;          /* the run of each frame, and the frame that follows in it */
+    i64 runs, frames, room;   /* how many there are, and how many frames and messages there may be */
 } Found;
 
 /* How old a message may be, how long after one of its frames the next may come, both in ns, and how long it may be. */
@@ -182,11 +190,15 @@ static inline void close_run(Slot *slot, Found *found)
 }
 
 /* A run that is whole becomes a message, unless more frames of it follow. */
-static inline void put_message(const u8 *rows, const Slot *slot, Found *found)
+static inline void put_message(const u8 *rows, i64 row, const Slot *slot, u16 code, Found *found)
 {
-    u8 *to = found->payloads + found->bytes;
-    found->message[found->messages] = slot->run - 1;
-    found->offset[found->messages++] = found->bytes;
+    u8 *to = found->payloads + found->shares[code].bytes;
+    i64 place = found->place[code]++;
+    found->message[place] = slot->run - 1;
+    found->completed[place] = row;
+    found->identifier[place] = load4(rows + ROW * row) & 0x7FFFFFFF;
+    found->size[place] = slot->size;
+    found->offset[place] = found->shares[code].bytes;
     i32 frame = slot->head;
     memcpy(to, rows + ROW * found->row[frame] + DATA + 2, 6);
     to += 6;
@@ -195,11 +207,11 @@ static inline void put_message(const u8 *rows, const Slot *slot, Found *found)
         memcpy(to, rows + ROW * found->row[frame] + DATA + 1, 7);
         to += 7;
     }
-    found->bytes = to - found->payloads;
+    found->shares[code].bytes = to - found->payloads;
 }
 
-static inline void put_frame(const u8 *rows, i64 row, i64 time, Slot *slot, u16 key, Found *found,
-                             const Limits *limits)
+static inline void put_frame(const u8 *rows, i64 row, i64 time, Slot *slot, u16 key, u16 code,
+                             Found *found, const Limits *limits)
 {
     const u8 *at = rows + ROW * row;
     u8 index = at[DATA] & 31, length = at[LENGTH];
@@ -239,17 +251,17 @@ static inline void put_frame(const u8 *rows, i64 row, i64 time, Slot *slot, u16 
         if (minus(time, slot->began) >= limits->age || slot->carried < slot->size)
             slot->whole = false;
         else
-            put_message(rows, slot, found);
+            put_message(rows, row, slot, code, found);
     }
 }
 
 /* A frame goes to its slot. How many streams are known then; -1 if there is no room for its own, or it has no data. */
-static inline int receive_frame(const u8 *rows, i64 row, const i64 *now, Slot *slots, u16 *streams, int known,
-                                Found *found, const Limits *limits)
+static inline int receive_frame(const u8 *rows, i64 row, const i64 *now, u16 code, Slot *slots, u16 *streams,
+                                int known, Found *found, const Limits *limits)
 {
     const u8 *at = rows + ROW * row;
     u32 place = (load4(at) & STREAM) - FIRST_FAST;
-    if (place >= STREAMS || !at[LENGTH] || found->frames == found->room)
+    if (place >= STREAMS || !at[LENGTH] || found->frames == found->room || !found->shares[code].frames)
         return -1;
     if (!streams[place]) {
         if (known + 1 >= SLOTS >> 3)
@@ -257,49 +269,87 @@ static inline int receive_frame(const u8 *rows, i64 row, const i64 *now, Slot *s
         streams[place] = (u16)++known;
         memset(&slots[known << 3], 0, sizeof(Slot) << 3);
     }
+    found->shares[code].frames--;
     u16 key = (u16)(streams[place] << 3 | at[DATA] >> 5);
-    put_frame(rows, row, now[row], &slots[key], key, found, limits);
+    put_frame(rows, row, now[row], &slots[key], key, code, found, limits);
     return known;
 }
 
-/* (rows, now, codes, code, slots, streams, known, waiting, row, run, begin, last, count, slot, dirty, message, offset,
-   payloads, max_age, max_gap, longest) -> (known, runs, messages): fast packets, which are the rows whose code is at
-   least `code`. Of `streams` those that are new are numbered on; known is -1 if there are too many of them, or a row
-   has no data. `waiting` (uint16) are the slots in use; `slots` is room for 65,536 of 64 bytes, which is used again. */
+/* The rows of runs that are not plain, at the beginning of `row`; how many they are. */
+static inline i64 keep_dirty(Found *found)
+{
+    i64 kept = 0;
+    for (i64 frame = 0; frame < found->frames; frame++) {
+        found->row[kept] = found->row[frame];
+        kept += found->dirty[found->run[frame]];
+    }
+    return kept;
+}
+
+/* Of each code from `first` on, where its messages go, which are no more than its frames. How many all are. */
+static inline i64 share_out(const u32 *counts, i64 codes, i64 first, i64 *place, Share *shares)
+{
+    i64 all = 0;
+    for (i64 code = 0; code < codes; code++) {
+        i64 frames = code < first ? 0 : counts[code];
+        place[code] = all;
+        shares[code] = (Share){7 * all, frames};
+        all += frames;
+    }
+    return all;
+}
+
+/* (rows, now, codes, first, counts, limits, slots, streams, known, waiting, row, begin, last, count, slot, dirty,
+   place, message, completed, identifier, size, offset, payloads) -> (known, runs, others): fast packets, which are the
+   rows whose code is `first` or more, `counts` of each. `limits` are the longest age and gap, and message.
+
+   Of `streams` those that are new are numbered on; known is -1 if there are too many of them, or a row has no data.
+   `waiting` (uint16) are the slots in use; `slots` is room for 65,536 of 64 bytes, which is used again. The messages of
+   code c end at place[c]; where they begin, so many frames of other codes are before them. `row` has those of the
+   `others`: of frames that are in no plain run. */
 PyObject *fast_packets(PyObject *module, PyObject *arguments)
 {
-    enum { ROWS, NOW, CODES, WAITING, SLOT_ROOM, STREAM_NUMBERS, ROW_OF, RUN, BEGIN, LAST, COUNT, SLOT, DIRTY, MESSAGE,
-           OFFSET, PAYLOADS, ALL };
+    enum { ROWS, NOW, CODES, COUNTS, WAITING, SLOT_ROOM, STREAM_NUMBERS, ROW_OF, BEGIN, LAST, COUNT, SLOT, DIRTY, PLACE,
+           MESSAGE, COMPLETED, IDENTIFIER, SIZE, OFFSET, PAYLOADS, ALL };
     PyObject *objects[ALL], *result = NULL;
     Py_buffer views[ALL];
     Buffers buffers;
-    int code, known;
+    int first, known;
     long long max_age, max_gap, longest;
     (void)module;
-    if (!PyArg_ParseTuple(arguments, "OOOiOOiOOOOOOOOOOOLLL", &objects[ROWS], &objects[NOW], &objects[CODES], &code,
-                          &objects[SLOT_ROOM], &objects[STREAM_NUMBERS], &known, &objects[WAITING], &objects[ROW_OF],
-                          &objects[RUN], &objects[BEGIN], &objects[LAST], &objects[COUNT], &objects[SLOT],
-                          &objects[DIRTY], &objects[MESSAGE], &objects[OFFSET], &objects[PAYLOADS], &max_age, &max_gap,
-                          &longest)
+    if (!PyArg_ParseTuple(arguments, "OOOiO(LLL)OOiOOOOOOOOOOOOOO", &objects[ROWS], &objects[NOW], &objects[CODES],
+                          &first, &objects[COUNTS], &max_age, &max_gap, &longest, &objects[SLOT_ROOM],
+                          &objects[STREAM_NUMBERS], &known, &objects[WAITING], &objects[ROW_OF], &objects[BEGIN],
+                          &objects[LAST], &objects[COUNT], &objects[SLOT], &objects[DIRTY], &objects[PLACE],
+                          &objects[MESSAGE], &objects[COMPLETED], &objects[IDENTIFIER], &objects[SIZE],
+                          &objects[OFFSET], &objects[PAYLOADS])
         || take_buffers(&buffers, views, objects, ALL, SLOT_ROOM))
         return NULL;
-    i64 all = views[ROWS].len / ROW, room = views[ROW_OF].len / 8, waiting = views[WAITING].len / 2;
-    i32 *next = NULL;
+    i64 all = views[ROWS].len / ROW, room = views[ROW_OF].len / 8, waiting = views[WAITING].len / 2,
+        kinds = views[COUNTS].len / 4, others = 0;
+    i32 *run = NULL, *next = NULL;
+    Share *shares = NULL;
     if (enough(&views[NOW], all, 8, "now") || enough(&views[CODES], all, 2, "codes")
         || enough(&views[SLOT_ROOM], SLOTS, SLOT_SIZE, "slots")
-        || enough(&views[STREAM_NUMBERS], STREAMS, 2, "streams") || enough(&views[RUN], room, 4, "run")
-        || enough(&views[BEGIN], room, 8, "begin") || enough(&views[LAST], room, 8, "last")
-        || enough(&views[COUNT], room, 4, "count") || enough(&views[SLOT], room, 2, "slot")
-        || enough(&views[DIRTY], room, 1, "dirty") || enough(&views[MESSAGE], room, 4, "message")
-        || enough(&views[OFFSET], room, 8, "offset") || enough(&views[PAYLOADS], room, 7, "payloads"))
+        || enough(&views[STREAM_NUMBERS], STREAMS, 2, "streams") || enough(&views[BEGIN], room, 8, "begin")
+        || enough(&views[LAST], room, 8, "last") || enough(&views[COUNT], room, 4, "count")
+        || enough(&views[SLOT], room, 2, "slot") || enough(&views[DIRTY], room, 1, "dirty")
+        || enough(&views[PLACE], kinds, 8, "place") || enough(&views[MESSAGE], room, 4, "message")
+        || enough(&views[COMPLETED], room, 8, "completed") || enough(&views[IDENTIFIER], room, 4, "identifier")
+        || enough(&views[SIZE], room, 8, "size") || enough(&views[OFFSET], room, 8, "offset")
+        || enough(&views[PAYLOADS], room, 7, "payloads"))
         goto end;
-    if (room > INT32_MAX || known < 0 || known >= SLOTS >> 3) {
-        PyErr_SetString(PyExc_ValueError, "row or known: too many");
+    run = malloc(4 * (size_t)room + 4);
+    next = malloc(4 * (size_t)room + 4);
+    shares = malloc(sizeof(Share) * (size_t)kinds + 1);
+    if (!run || !next || !shares) {
+        PyErr_NoMemory();
         goto end;
     }
-    next = malloc(4 * (size_t)room + 4);
-    if (!next) {
-        PyErr_NoMemory();
+    i64 *place = views[PLACE].buf;
+    if (room > INT32_MAX || known < 0 || known >= SLOTS >> 3
+        || share_out(views[COUNTS].buf, kinds, first, place, shares) > room) {
+        PyErr_SetString(PyExc_ValueError, "row, known or counts: too many");
         goto end;
     }
     const u8 *rows = views[ROWS].buf;
@@ -307,9 +357,9 @@ PyObject *fast_packets(PyObject *module, PyObject *arguments)
     const u16 *codes = views[CODES].buf, *waiting_slots = views[WAITING].buf;
     Slot *slots = views[SLOT_ROOM].buf;
     u16 *streams = views[STREAM_NUMBERS].buf;
-    Found found = {views[ROW_OF].buf, views[RUN].buf, views[BEGIN].buf, views[LAST].buf, views[COUNT].buf,
-                   views[SLOT].buf, views[DIRTY].buf, views[MESSAGE].buf, views[OFFSET].buf, views[PAYLOADS].buf, next,
-                   0, 0, 0, 0, room};
+    Found found = {views[ROW_OF].buf, views[BEGIN].buf, views[LAST].buf, views[COUNT].buf, views[SLOT].buf,
+                   views[DIRTY].buf, shares, place, views[MESSAGE].buf, views[COMPLETED].buf, views[IDENTIFIER].buf,
+                   views[SIZE].buf, views[OFFSET].buf, views[PAYLOADS].buf, run, next, 0, 0, room};
     Limits limits = {max_age, max_gap, longest};
     Py_BEGIN_ALLOW_THREADS
     memset(slots, 0, sizeof(Slot) * (size_t)(known + 1) << 3);
@@ -320,20 +370,41 @@ PyObject *fast_packets(PyObject *module, PyObject *arguments)
         i64 some = all - begin < BLOCK ? all - begin : BLOCK, wanted = 0;
         for (i64 row = 0; row < some; row++) {
             fast[wanted] = (u16)row;
-            wanted += codes[begin + row] >= code;
+            wanted += codes[begin + row] >= first;
         }
-        for (i64 each = 0; each < wanted && known >= 0; each++)
-            known = receive_frame(rows, begin + fast[each], now, slots, streams, known, &found, &limits);
+        for (i64 each = 0; each < wanted && known >= 0; each++) {
+            i64 row = begin + fast[each];
+            known = codes[row] < kinds
+                ? receive_frame(rows, row, now, codes[row], slots, streams, known, &found, &limits) : -1;
+        }
     }
     for (int key = 8; key < (known + 1) << 3; key++)
         if (slots[key].run)
             close_run(&slots[key], &found);
+    if (known >= 0)
+        others = keep_dirty(&found);
     Py_END_ALLOW_THREADS
-    result = Py_BuildValue("iLL", known, (long long)found.runs, (long long)found.messages);
+    result = Py_BuildValue("iLL", known, (long long)found.runs, (long long)others);
 end:
+    free(run);
     free(next);
+    free(shares);
     give_buffers_back(&buffers);
     return result;
+}
+
+enum { WORD = 8 };
+
+/* Copies `size` bytes in words, and so up to seven more, to where up to `room` may be written; false if that or what is
+   `left` of the bytes is too little for it. */
+static inline bool copy_words(u8 *to, i64 room, const u8 *from, i64 left, i64 size)
+{
+    i64 whole = (size + WORD - 1) / WORD * WORD;
+    if (whole > room || whole > left)
+        return false;
+    for (i64 place = 0; place < whole; place += WORD)
+        store8(to + place, load8(from + place));
+    return true;
 }
 
 /* (payloads, offset, size, cells, width) -> None: `size` bytes from each offset, and zeros, to rows of `width`. */
@@ -357,15 +428,18 @@ PyObject *cut_payloads(PyObject *module, PyObject *arguments)
     const u8 *payloads = views[0].buf;
     const i64 *offset = views[1].buf, *size = views[2].buf;
     u8 *cells = views[3].buf;
+    i64 room = count * width;
     bool in_range = true;
     Py_BEGIN_ALLOW_THREADS
-    for (i64 each = 0; each < count; each++) {
+    for (i64 each = 0; each < count; each++, cells += width, room -= width) {
         if (size[each] < 0 || size[each] > width || offset[each] < 0 || offset[each] > views[0].len - size[each]) {
             in_range = false;
             break;
         }
-        memcpy(cells + width * each, payloads + offset[each], (size_t)size[each]);
-        memset(cells + width * each + size[each], 0, (size_t)(width - size[each]));
+        const u8 *from = payloads + offset[each];
+        if (!copy_words(cells, room, from, views[0].len - offset[each], size[each])) /* of the next row it writes what that overwrites */
+            memcpy(cells, from, (size_t)size[each]);
+        memset(cells + size[each], 0, (size_t)(width - size[each]));
     }
     Py_END_ALLOW_THREADS
     give_buffers_back(&buffers);

@@ -45,27 +45,31 @@ def fast_packets(
     now: Array,
     codes: Array,
     first: int,
+    counts: Array,
+    limits: tuple[int, int, int],
     slots: Array,
     streams: Array,
     known: int,
     waiting: Array,
     row: Array,
-    run: Array,
     begin: Array,
     last: Array,
     count: Array,
     slot: Array,
     dirty: Array,
+    place: Array,
     message: Array,
+    completed: Array,
+    identifier: Array,
+    size: Array,
     offset: Array,
     payloads: Array,
-    max_age: int,
-    max_gap: int,
-    longest: int,
     /,
 ) -> tuple[int, int, int]:
-    """Rows with codes from `first` on are fast packets: how many streams are known then, how many runs there are, and
-    messages that may be plain. -1 for the first if these are too many, or a row has no data."""
+    """Rows with codes from `first` on, of which there are `counts`, are fast packets: how many streams are known then,
+    how many runs there are, and how many of the frames, whose `row` is told, are in none that is plain. -1 for the
+    first if these are too many, or a row has no data. Messages that may be plain stand from where as many of them begin
+    as there are frames of the codes before up to `place` of their own code; `message` is the run of each."""
 
 def cut_payloads(payloads: Array, offset: Array, size: Array, cells: Array, width: int, /) -> None:
     """`size` bytes from each offset, and zeros, to rows of `width` bytes."""

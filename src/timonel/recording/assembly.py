@@ -135,8 +135,8 @@ class Assembly:
         first = self._kinds.fast
         if first == len(counts):
             return []
-        now, count = self._times(frames.stamp), int(counts[first:].sum())
-        parts = self._fast_packets.receive_coded(frames.rows, now, codes, first, count)
+        now, channels = self._times(frames.stamp), self._kinds.channels
+        parts = self._fast_packets.receive_coded(frames.rows, now, codes, first, counts, channels)
         return self._merged(parts, frames.stamp)
 
     def _singles(self, frames: Frames, codes: Codes, counts: npt.NDArray[np.uint32]) -> list[Group]:
@@ -157,9 +157,9 @@ class Assembly:
 
     def _times(self, stamp: Stamps) -> Stamps:
         """The stamps, and times for what has none."""
-        known = stamp != NO_STAMP
         now = stamp
-        if not known.all():
+        if stamp.min(initial=0) == NO_STAMP:
+            known = stamp != NO_STAMP
             place = np.arange(len(stamp))
             last = np.maximum.accumulate(np.where(known, place, -1))
             now = np.where(last < 0, self._now, stamp[last]) + (place - last) * PACE

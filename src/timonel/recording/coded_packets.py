@@ -3,18 +3,20 @@
 Runs and plain ones are those of `fast_packets`. Needs the extra `columns`.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from timonel import native
-from timonel.recording.frames import EXTENDED, Rows, Stamps
-from timonel.recording.part import FIRST_FAST, Part, Payloads, pgns_of, stretches
+from timonel.recording.frames import Rows, Stamps
+from timonel.recording.part import Part, Payloads
 
 Ints = npt.NDArray[np.intp]
 Flags = npt.NDArray[np.bool_]
 Codes = npt.NDArray[np.uint16]
+Counts = npt.NDArray[np.uint32]
 Octets = npt.NDArray[np.uint8]
 
 SLOT_ROOM = 1 << 22
@@ -22,66 +24,78 @@ SLOT_ROOM = 1 << 22
 
 
 class CodedPackets:
-    """Room for the runs of `frames` frames, and for the messages that those are which are plain."""
+    """Room for the runs of frames whose codes are `first` or more, `counts` of each, and for the messages of those runs
+    that are plain."""
 
-    def __init__(self, frames: int) -> None:
+    def __init__(self, first: int, counts: Counts) -> None:
+        frames = int(counts[first:].sum())
+
         def room(kind: type[Any], size: int = 1) -> npt.NDArray[Any]:
             return np.empty(size * frames, kind)
 
-        self.row: Ints = room(np.intp)  # of each frame, as what follows
-        self._run: npt.NDArray[np.int32] = room(np.int32)
+        self._first, self._counts = first, counts
+        self.others: Ints = room(np.intp)  # the rows of runs that are not plain
         self.begin: Ints = room(np.intp)  # the row of the first frame of each run, as what follows
         self.last: Ints = room(np.intp)
         self.count: npt.NDArray[np.int32] = room(np.int32)
         self.slot: Codes = room(np.uint16)
         self.dirty: Flags = room(np.bool_)  # it is not plain
-        self._message: npt.NDArray[np.int32] = room(np.int32)  # the run of each message that may be plain
+        self._run: npt.NDArray[np.int32] = room(np.int32)  # of each message that may be plain, by code
+        self._row: Ints = room(np.intp)
+        self._identifier: Counts = room(np.uint32)
+        self._size: Ints = room(np.intp)
         self._offset: Ints = room(np.intp)
         self._payloads: Payloads = room(np.uint8, 7)
+        self._ends = np.zeros(len(counts), np.intp)  # of the messages of each code
 
     def read(
-        self, rows: Rows, now: Stamps, codes: Codes, first: int, slots: Octets, streams: Codes, known: int,
-        waiting: Codes, limits: tuple[int, int, int],
+        self, rows: Rows, now: Stamps, codes: Codes, slots: Octets, streams: Codes, known: int, waiting: Codes,
+        limits: tuple[int, int, int],
     ) -> int:  # fmt: skip
-        """Find the runs of the rows whose code is `first` or more, in the slots of which some are `waiting`.
+        """Find the runs of the rows with these codes, in the slots of which some are `waiting`.
 
         `slots` is `SLOT_ROOM` to work in. `streams` that are new are numbered on from `known`: how many are known then,
         -1 if that are too many, or a frame has no data. `limits` are the longest age, the longest gap, both in ns, and
         the longest message.
         """
-        room = (self.row, self._run, self.begin, self.last, self.count, self.slot, self.dirty)
-        messages = (self._message, self._offset, self._payloads)
-        known, runs, count = native.kernels.fast_packets(
-            rows, now, codes, first, slots, streams, known, waiting, *room, *messages, *limits
-        )
+        known, runs, others = native.kernels.fast_packets(
+            rows, now, codes, self._first, self._counts, limits, slots, streams, known, waiting,
+            self.others, self.begin, self.last, self.count, self.slot, self.dirty,
+            self._ends, self._run, self._row, self._identifier, self._size, self._offset, self._payloads,
+        )  # fmt: skip
+        self.others = self.others[:others]
         self.begin, self.last, self.count = self.begin[:runs], self.last[:runs], self.count[:runs]
         self.slot, self.dirty = self.slot[:runs], self.dirty[:runs]
-        self._message, self._offset = self._message[:count], self._offset[:count]
         return known
 
-    @property
-    def others(self) -> Ints:
-        """The rows of runs that are not plain."""
-        return self.row[self.dirty.take(self._run)] if self.dirty.any() else self.row[:0]
-
-    def parts(self, rows: Rows) -> list[Part]:
-        """The messages of plain runs, by PGN."""
-        kept = np.flatnonzero(~self.dirty.take(self._message))
-        row = self.last.take(self._message.take(kept))
-        identifier = rows["identifier"][row] & np.uint32(EXTENDED - 1)
-        pgn = pgns_of(identifier)
-        order = np.argsort((pgn - np.uint32(FIRST_FAST)).astype(np.uint16), kind="stable")  # 16 bits are sorted fastest
-        kept, row = kept.take(order), row.take(order)
-        pgn, identifier = pgn.take(order), identifier.take(order)
-        run = self._message.take(kept)
-        size = rows["data"][self.begin.take(run), 1].astype(np.intp)
-        offset = self._offset.take(kept)
+    def parts(self, channels: Sequence[int]) -> list[Part]:
+        """The messages of plain runs, in the order of their codes, whose `channels` these are."""
         parts = []
-        for start, stop in stretches(pgn):
-            some = slice(start, stop)
-            payloads = self._cut(offset[some], size[some])
-            parts.append(Part(int(pgn[start]), row[some], identifier[some], payloads, size[some]))
+        end = 0
+        for code in np.flatnonzero(self._counts[self._first :]).tolist():
+            code += self._first
+            begin, end = end, end + int(self._counts[code])
+            if part := self._part(channels[code], slice(begin, int(self._ends[code]))):
+                parts.append(part)
         return parts
+
+    def _part(self, channel: int, some: slice) -> Part | None:
+        row, identifier = self._row[some], self._identifier[some]
+        size, offset = self._size[some], self._offset[some]
+        dirty = self.dirty.take(self._run[some])
+        if dirty.any():
+            kept = np.flatnonzero(~dirty)
+            row, identifier, size, offset = row.take(kept), identifier.take(kept), size.take(kept), offset.take(kept)
+        if not len(row):
+            return None
+        # Messages of as many frames each lie side by side, if none is left out.
+        first, width = int(offset[0]), 7 * (int(size[0]) // 7) + 6
+        last = first + width * (len(size) - 1)
+        if offset[-1] == last and (size // 7 == size[0] // 7).all():
+            payloads = self._payloads[first : last + width].reshape(-1, width)
+        else:
+            payloads = self._cut(offset, size)
+        return Part(channel, row, identifier, payloads, size)
 
     def _cut(self, offset: Ints, size: Ints) -> Payloads:
         payloads = np.empty((len(size), max(6, int(size.max()))), np.uint8)

@@ -15,6 +15,7 @@ Only when slots could run out, the whole chunk goes through the Reassembler, bec
 independent of each other.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import msgspec
@@ -31,6 +32,7 @@ from timonel.recording.part import FIRST_FAST, Part, by_key, of_messages, pgns_o
 MAX_AGE = 250_000_000
 MAX_GAP = 100_000_000
 """In ns, as the Reassembler's own limits."""
+_LIMITS = MAX_AGE, MAX_GAP, LONGEST
 
 _STREAM = 0x3FFFFFF  # an identifier without its priority
 _NEW = 0xFFFF
@@ -41,6 +43,7 @@ Ints = npt.NDArray[np.intp]
 Flags = npt.NDArray[np.bool_]
 Words = npt.NDArray[np.uint64]
 Codes = npt.NDArray[np.uint16]
+Counts = npt.NDArray[np.uint32]
 
 
 class Arrivals(msgspec.Struct, frozen=True, eq=False, gc=False):
@@ -107,21 +110,22 @@ class FastPackets:
         others = np.sort(row[np.repeat(dirty, runs.count)])
         return self._one_by_one(_arrivals(rows, now, others)) + _plain(frames, runs, plain)
 
-    def receive_coded(self, rows: Rows, now: Stamps, codes: Codes, first: int, count: int) -> list[Part]:
-        """The same by compiled kernels, of the `count` rows of a chunk whose code is `first` or more."""
-        found = CodedPackets(count)
+    def receive_coded(
+        self, rows: Rows, now: Stamps, codes: Codes, first: int, counts: Counts, channels: Sequence[int]
+    ) -> list[Part]:
+        """The same by compiled kernels, of rows whose code is `first` or more: `counts` and `channels` are by code."""
+        found = CodedPackets(first, counts)
         waiting = self._waiting().astype(np.uint16)
-        limits = (MAX_AGE, MAX_GAP, LONGEST)
-        known = found.read(rows, now, codes, first, self._room, self._streams, self._known, waiting, limits)
+        known = found.read(rows, now, codes, self._room, self._streams, self._known, waiting, _LIMITS)
         if known < 0:
             self._streams[self._streams > self._known] = 0
             return self._one_by_one(_arrivals(rows, now, np.flatnonzero(codes >= first)))
         self._known = known
         plain, dirty = ~found.dirty & (found.count > 1), found.dirty
         if self._crowded(found.slot, found.slot[dirty], found.begin[plain], found.last[plain]):
-            return self._one_by_one(_arrivals(rows, now, found.row))
+            return self._one_by_one(_arrivals(rows, now, np.flatnonzero(codes >= first)))
         self.counters.completed += len(dirty) - int(np.count_nonzero(dirty))
-        return self._one_by_one(_arrivals(rows, now, found.others)) + found.parts(rows)
+        return self._one_by_one(_arrivals(rows, now, found.others)) + found.parts(channels)
 
     def _streams_of(self, identifier: Identifiers) -> npt.NDArray[np.uint16] | None:
         """A number from 1 for each source, destination and PGN; None if there are too many."""
