@@ -140,7 +140,8 @@ static inline i64 minus(i64 later, i64 earlier) { return (i64)((u64)later - (u64
 /* A slot, and its run that is on. */
 typedef struct {
     i64 began, before;        /* times of the run's first and last frame */
-    i32 run, head, last;      /* number of the run from 1, 0 for none; its first and last frame */
+    i64 last, offset;         /* row of its last frame, and where among the payloads its own begins */
+    i32 run;                  /* its number from 1, 0 for none */
     i32 size, expected, carried, count; /* bytes announced, frames these take, bytes and frames that came */
     u8 index;
     bool whole, calm;         /* what the run is, as far as is known */
@@ -149,10 +150,14 @@ typedef struct {
 } Slot;
 _Static_assert(sizeof(Slot) <= SLOT_SIZE, "a slot is larger than the room for it");
 
-/* What is kept for the messages of one code: where among the payloads the next one goes, and how many frames may come. */
+/* What there is for the messages of one code: of the payloads from `bytes` to `end`, and so many frames may come. */
 typedef struct {
-    i64 bytes, frames;
+    i64 bytes, end, frames;
 } Share;
+
+/* How many bytes a frame may take of its code's share: twice what it brings, as some belong to messages that miss
+   others, whose room is taken too. */
+enum { FRAME_SHARE = 14 };
 
 /* Where the results go; frames are counted among those of fast packets, runs from 0. */
 typedef struct {
@@ -168,7 +173,7 @@ typedef struct {
     u32 *identifier;
     i64 *size, *offset;       /* of a message, and where it stands among the payloads */
     u8 *payloads;
-    i32 *run, *next;          /* the run of each frame, and the frame that follows in it */
+    i32 *run;                 /* of each frame */
     i64 runs, frames, room;   /* how many there are, and how many frames and messages there may be */
 } Found;
 
@@ -183,39 +188,42 @@ static inline void close_run(Slot *slot, Found *found)
     bool whole = slot->whole && slot->count == slot->expected;
     bool dirty = !whole || (slot->first ? slot->waiting : slot->dirty_before && !slot->calm_before);
     found->dirty[run] = dirty;
-    found->last[run] = found->row[slot->last];
+    found->last[run] = slot->last;
     found->count[run] = slot->count;
     slot->dirty_before = dirty;
     slot->calm_before = slot->calm && whole;
 }
 
 /* A run that is whole becomes a message, unless more frames of it follow. */
-static inline void put_message(const u8 *rows, i64 row, const Slot *slot, u16 code, Found *found)
+static inline void put_message(u32 identifier, const Slot *slot, u16 code, Found *found)
 {
-    u8 *to = found->payloads + found->shares[code].bytes;
     i64 place = found->place[code]++;
     found->message[place] = slot->run - 1;
-    found->completed[place] = row;
-    found->identifier[place] = load4(rows + ROW * row) & 0x7FFFFFFF;
+    found->completed[place] = slot->last;
+    found->identifier[place] = identifier & 0x7FFFFFFF;
     found->size[place] = slot->size;
-    found->offset[place] = found->shares[code].bytes;
-    i32 frame = slot->head;
-    memcpy(to, rows + ROW * found->row[frame] + DATA + 2, 6);
-    to += 6;
-    for (i32 left = slot->count - 1; left > 0; left--) {
-        frame = found->next[frame];
-        memcpy(to, rows + ROW * found->row[frame] + DATA + 1, 7);
-        to += 7;
-    }
-    found->shares[code].bytes = to - found->payloads;
+    found->offset[place] = slot->offset;
+}
+
+/* Room for the payload of a run of so many frames, and for what is written behind it in whole words. False if there is
+   none left: then it is not plain. */
+static inline bool take_room(Slot *slot, Share *share)
+{
+    i64 bytes = 7 * (i64)slot->expected + 1;
+    if (bytes > share->end - share->bytes)
+        return false;
+    slot->offset = share->bytes;
+    share->bytes += bytes;
+    return true;
 }
 
 static inline void put_frame(const u8 *rows, i64 row, i64 time, Slot *slot, u16 key, u16 code,
                              Found *found, const Limits *limits)
 {
     const u8 *at = rows + ROW * row;
-    u8 index = at[DATA] & 31, length = at[LENGTH];
-    i32 frame = (i32)found->frames++;
+    u64 data = load8(at + DATA);
+    u8 index = data & 31, length = at[LENGTH];
+    i64 frame = found->frames++;
     found->row[frame] = row;
     if (!slot->run || !index) {
         bool first = !slot->run;
@@ -226,24 +234,27 @@ static inline void put_frame(const u8 *rows, i64 row, i64 time, Slot *slot, u16 
         slot->calm = !slot->first && minus(time, slot->before) > limits->gap;
         slot->run = (i32)run + 1;
         slot->began = time;
-        slot->size = at[DATA + 1];
+        slot->size = data >> 8 & 0xFF;
         slot->expected = 1 + slot->size / 7;
         slot->carried = length < 8 ? length - 2 : 6;
         slot->count = 1;
-        slot->whole = !index && slot->size <= limits->longest && (length == 8 || slot->expected == 1);
-        slot->head = frame;
+        slot->whole = !index && slot->size <= limits->longest && (length == 8 || slot->expected == 1)
+            && take_room(slot, &found->shares[code]);
+        if (slot->whole)
+            store8(found->payloads + slot->offset, data >> 16);
         found->begin[run] = row;
         found->slot[run] = key;
     } else {
         i64 gap = minus(time, slot->before);
+        if (gap < 0 || gap > limits->gap || index != (u8)(slot->index + 1) || slot->count >= slot->expected
+            || (length < 8 && slot->count + 1 != slot->expected))
+            slot->whole = false;
+        if (slot->whole)
+            store8(found->payloads + slot->offset + 7 * slot->count - 1, data >> 8);
         slot->count++;
         slot->carried += length < 8 ? length - 1 : 7;
-        if (gap < 0 || gap > limits->gap || index != (u8)(slot->index + 1) || slot->count > slot->expected
-            || (length < 8 && slot->count != slot->expected))
-            slot->whole = false;
-        found->next[slot->last] = frame;
     }
-    slot->last = frame;
+    slot->last = row;
     slot->index = index;
     slot->before = time;
     found->run[frame] = slot->run - 1;
@@ -251,7 +262,7 @@ static inline void put_frame(const u8 *rows, i64 row, i64 time, Slot *slot, u16 
         if (minus(time, slot->began) >= limits->age || slot->carried < slot->size)
             slot->whole = false;
         else
-            put_message(rows, row, slot, code, found);
+            put_message(load4(at), slot, code, found);
     }
 }
 
@@ -293,7 +304,7 @@ static inline i64 share_out(const u32 *counts, i64 codes, i64 first, i64 *place,
     for (i64 code = 0; code < codes; code++) {
         i64 frames = code < first ? 0 : counts[code];
         place[code] = all;
-        shares[code] = (Share){7 * all, frames};
+        shares[code] = (Share){FRAME_SHARE * all, FRAME_SHARE * (all + frames), frames};
         all += frames;
     }
     return all;
@@ -327,7 +338,7 @@ PyObject *fast_packets(PyObject *module, PyObject *arguments)
         return NULL;
     i64 all = views[ROWS].len / ROW, room = views[ROW_OF].len / 8, waiting = views[WAITING].len / 2,
         kinds = views[COUNTS].len / 4, others = 0;
-    i32 *run = NULL, *next = NULL;
+    i32 *run = NULL;
     Share *shares = NULL;
     if (enough(&views[NOW], all, 8, "now") || enough(&views[CODES], all, 2, "codes")
         || enough(&views[SLOT_ROOM], SLOTS, SLOT_SIZE, "slots")
@@ -337,12 +348,11 @@ PyObject *fast_packets(PyObject *module, PyObject *arguments)
         || enough(&views[PLACE], kinds, 8, "place") || enough(&views[MESSAGE], room, 4, "message")
         || enough(&views[COMPLETED], room, 8, "completed") || enough(&views[IDENTIFIER], room, 4, "identifier")
         || enough(&views[SIZE], room, 8, "size") || enough(&views[OFFSET], room, 8, "offset")
-        || enough(&views[PAYLOADS], room, 7, "payloads"))
+        || enough(&views[PAYLOADS], room, FRAME_SHARE, "payloads"))
         goto end;
     run = malloc(4 * (size_t)room + 4);
-    next = malloc(4 * (size_t)room + 4);
     shares = malloc(sizeof(Share) * (size_t)kinds + 1);
-    if (!run || !next || !shares) {
+    if (!run || !shares) {
         PyErr_NoMemory();
         goto end;
     }
@@ -359,7 +369,7 @@ PyObject *fast_packets(PyObject *module, PyObject *arguments)
     u16 *streams = views[STREAM_NUMBERS].buf;
     Found found = {views[ROW_OF].buf, views[BEGIN].buf, views[LAST].buf, views[COUNT].buf, views[SLOT].buf,
                    views[DIRTY].buf, shares, place, views[MESSAGE].buf, views[COMPLETED].buf, views[IDENTIFIER].buf,
-                   views[SIZE].buf, views[OFFSET].buf, views[PAYLOADS].buf, run, next, 0, 0, room};
+                   views[SIZE].buf, views[OFFSET].buf, views[PAYLOADS].buf, run, 0, 0, room};
     Limits limits = {max_age, max_gap, longest};
     Py_BEGIN_ALLOW_THREADS
     memset(slots, 0, sizeof(Slot) * (size_t)(known + 1) << 3);
@@ -387,7 +397,6 @@ PyObject *fast_packets(PyObject *module, PyObject *arguments)
     result = Py_BuildValue("iLL", known, (long long)found.runs, (long long)others);
 end:
     free(run);
-    free(next);
     free(shares);
     give_buffers_back(&buffers);
     return result;

@@ -351,9 +351,7 @@ class _Table:
         cells = self.store.windows(places.take(some.rows), have) if words is None or have > 8 else words[:, :have]
         return reader(place)(cells, None)
 
-    def _of_kind(
-        self, places: Rows, sizes: Rows, keyed: scalar.Keyed, code: int | None, length: int | None
-    ) -> Column:
+    def _of_kind(self, places: Rows, sizes: Rows, keyed: scalar.Keyed, code: int | None, length: int | None) -> Column:
         """The values of one key and one length, each of which has some bytes."""
         found = self.store.pieces(places, sizes)
         known = {raw: keyed.read(raw, 0, code, length)[0] for raw in set(found)}

@@ -21,6 +21,7 @@ Octets = npt.NDArray[np.uint8]
 
 SLOT_ROOM = 1 << 22
 """Bytes in which the kernel keeps what it knows of 65,536 slots; only of those that are there is it used."""
+_FRAME_SHARE = 14  # bytes that the kernel may take of the room for payloads: some messages stay without all frames
 
 
 class CodedPackets:
@@ -45,7 +46,7 @@ class CodedPackets:
         self._identifier: Counts = room(np.uint32)
         self._size: Ints = room(np.intp)
         self._offset: Ints = room(np.intp)
-        self._payloads: Payloads = room(np.uint8, 7)
+        self._payloads: Payloads = room(np.uint8, _FRAME_SHARE)
         self._ends = np.zeros(len(counts), np.intp)  # of the messages of each code
 
     def read(
@@ -75,7 +76,7 @@ class CodedPackets:
         for code in np.flatnonzero(self._counts[self._first :]).tolist():
             code += self._first
             begin, end = end, end + int(self._counts[code])
-            if part := self._part(channels[code], slice(begin, int(self._ends[code]))):
+            if (part := self._part(channels[code], slice(begin, int(self._ends[code])))) is not None:
                 parts.append(part)
         return parts
 
@@ -88,16 +89,14 @@ class CodedPackets:
             row, identifier, size, offset = row.take(kept), identifier.take(kept), size.take(kept), offset.take(kept)
         if not len(row):
             return None
-        # Messages of as many frames each lie side by side, if none is left out.
-        first, width = int(offset[0]), 7 * (int(size[0]) // 7) + 6
-        last = first + width * (len(size) - 1)
-        if offset[-1] == last and (size // 7 == size[0] // 7).all():
-            payloads = self._payloads[first : last + width].reshape(-1, width)
-        else:
-            payloads = self._cut(offset, size)
-        return Part(channel, row, identifier, payloads, size)
+        return Part(channel, row, identifier, self._payloads_of(offset, size), size)
 
-    def _cut(self, offset: Ints, size: Ints) -> Payloads:
+    def _payloads_of(self, offset: Ints, size: Ints) -> Payloads:
+        """Of messages that stand at an offset each."""
+        first, width = int(offset[0]), 7 * (int(size[0]) // 7 + 1) + 1
+        equal = int(size[-1]) // 7 == int(size[0]) // 7
+        if equal and (np.diff(offset) == width).all() and int(size.max()) <= width:  # they lie side by side
+            return self._payloads[first : first + width * len(size)].reshape(-1, width)
         payloads = np.empty((len(size), max(6, int(size.max()))), np.uint8)
         native.kernels.cut_payloads(self._payloads, offset, size, payloads, payloads.shape[1])
         return payloads

@@ -122,6 +122,33 @@ def test_where_slots_run_out_the_oldest_gives_way_as_on_the_live_path(fault, slo
         assert assembly.counters == reassembler.counters
 
 
+def test_messages_are_whole_though_most_of_what_others_announce_never_comes():
+    sender, lost = join(3, GNSS, 1), fragment(bytes(223), 0)[0]
+    sent = [(lost,), fragment(b"these bytes are of a message that is whole", 0)] * 40
+    frames = [
+        LogFrame(1.0 + at * 1e-3, sender, data) for at, data in enumerate(one for all_of in sent for one in all_of)
+    ]
+    whole = from_logframes(frames)
+    expected, reassembler = one_by_one(whole)
+    assembly = Assembly()
+    assert in_columns(whole, len(whole), assembly) == expected
+    assert assembly.counters == reassembler.counters
+    assert assembly.counters.completed == 40
+
+
+def test_messages_of_one_size_that_overlap_in_time_have_each_its_own_bytes():
+    said = {source: fragment(bytes(range(source, source + 43)), 0) for source in range(4)}
+    frames = [
+        LogFrame(1.0 + number * 1e-4, join(3, GNSS, source), said[source][number])
+        for number in range(7)
+        for source in (said if number < 6 else reversed(said))
+    ]
+    whole = from_logframes(frames)
+    found = in_columns(whole, len(whole), Assembly())
+    assert [(identifier & 0xFF, payload[0]) for _, _, identifier, payload in found] == [(3, 3), (2, 2), (1, 1), (0, 0)]
+    assert found == one_by_one(whole)[0]
+
+
 def test_more_streams_than_a_bus_can_have_are_put_together_one_by_one():
     frames = [
         LogFrame(1.0 + number * 1e-3, join(3, pgn, source), data)
