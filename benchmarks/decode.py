@@ -89,17 +89,23 @@ def inputs(folder: Path) -> None:
 
 
 def flight_recording(frames: Frames, path: Path) -> None:
-    """What the gateway would have recorded of 2,000 frames a second, with a sentence for every tenth."""
+    """What the gateway would have recorded of 2,000 frames a second, with a sentence for every tenth.
+
+    The frames come as irregularly as they came in the recording.
+    """
+    came = frames.stamp - frames.stamp[0]
+    times = (came * (len(frames) / 2000 / came[-1])).tolist()
     with tempfile.TemporaryDirectory(dir=path.parent) as directory:
-        now = 0.0
+        now, flushed = 0.0, 0.0
         writer = FlightWriter(Path(directory), "boat", Limits(segment_size=1 << 30), lambda number: {}, began_ns=0)
         recorder = Recorder(["Bridge"], writer.put, now, wall=lambda: round(now * 1e9))
         for place, frame in enumerate(frames.logframes()):
-            now = place / 2000
+            now = times[place]
             recorder.frames_received([Frame(frame.identifier, frame.data)], now)
             if place % 10 == 0:
                 recorder.answered(SENTENCE, now)
-            if place % 2000 == 0:
+            if now - flushed >= 1:
+                flushed = now
                 recorder.flush(now)
                 writer.drain()
         recorder.flush(now)

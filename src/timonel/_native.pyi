@@ -21,7 +21,7 @@ def captured_frames(
 
 def recorded_frames(chunk: Array, at: int, bus: int, latest: int, rows: Array, stamps: Array, /) -> tuple[int, int]:
     """How many frames stand in the messages of `bus` from `at` on, and where the first record begins that is no message
-    or has frames of more than a row, or a time that is not before `latest`, ns."""
+    or is not made of frames, or has longer ones than eight bytes, or a time that is not before `latest`, ns."""
 
 def frame_codes(rows: Array, table: Array, codes: Array, counts: Array, /) -> bool:
     """The code of each row in `table`, and how many rows have each; whether a row is a whole message."""

@@ -29,7 +29,8 @@ from timonel.nmea0183.simulated import simulated
 from timonel.nmea2000.fastpacket import fragment
 from timonel.nmea2000.identifier import split
 from timonel.recording import LogFrame, LogSentence, open_any
-from timonel.recording.flight import BUS, MAGIC, OUT, ROWS_AT, Flight, frames_of
+from timonel.recording.flight import BUS, MAGIC, OUT, Flight
+from timonel.recording.flight_bus import frames_of
 from timonel.vehicles.boat.settings import BoatSettings
 from timonel.vehicles.rover.declaration import Party
 from timonel.vehicles.rover.protocol import Protocol
@@ -106,7 +107,7 @@ class Playback:
         for record in Flight(self.path):
             if record.topic != BUS:
                 continue
-            for frame in frames_of(record.data[ROWS_AT:]):
+            for frame in frames_of(record.data, record.step):
                 told = Frame(frame.identifier, frame.data, frame.extended)
                 if self._lets(told, frame.sent):
                     late = frame.elapsed / 1e6

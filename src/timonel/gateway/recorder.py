@@ -32,11 +32,14 @@ from timonel.gateway.configuration import Configuration
 from timonel.gateway.gateway import Gateway
 from timonel.gateway.interpreter import Interpreter, interpreter
 from timonel.gateway.moment import A_SECOND, microseconds
-from timonel.recording.flight import EVENTS, IN, OUT, PORTS, RECORDER, SENT, TIMER, Metadata
+from timonel.recording.flight import EVENTS, IN, OUT, PORTS, RECORDER, TIMER, Metadata
+from timonel.recording.flight_bus import SENT
 from timonel.recording.flight_tape import Page, Tape, text
 from timonel.recording.flight_writer import FlightWriter, Limits, Written
 
-FORMAT = "1"
+FORMAT = "2"
+READABLE = ("1", FORMAT)
+"""1 had the frames of the bus in rows."""
 FLUSH = 1.0  # s
 CLOCK_STEP = 50_000_000  # ns: a wall clock that goes astray by more within a second was set
 CLOSE_WITHIN = 2.0  # s

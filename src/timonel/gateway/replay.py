@@ -16,20 +16,19 @@ from timonel.core.frame import Frame
 from timonel.errors import RecordingError
 from timonel.gateway import machine
 from timonel.gateway.moment import seconds
-from timonel.gateway.recorder import FORMAT, event_message, taken_apart
+from timonel.gateway.recorder import READABLE, event_message, taken_apart
 from timonel.recording.flight import (
     BUS,
     EVENTS,
     IN,
     OUT,
     PORTS,
-    ROWS_AT,
     TIMER,
     Flight,
     Metadata,
     Record,
-    frames_of,
 )
+from timonel.recording.flight_bus import frames_of
 from timonel.recording.flight_tape import STEPS
 from timonel.vehicles.vehicle import Vehicle
 
@@ -167,8 +166,9 @@ def run_of(metadata: Metadata, path: Path) -> dict[str, str]:
     run = metadata.get("timonel.recording")
     if run is None or "timonel.machine" not in metadata:
         raise RecordingError(f"{path}: an MCAP file, but no recording of timonel's")
-    if run.get("format") != FORMAT:
-        raise RecordingError(f"{path}: of format {run.get('format')}; this version reads format {FORMAT}")
+    if run.get("format") not in READABLE:
+        readable = " and ".join(READABLE)
+        raise RecordingError(f"{path}: of format {run.get('format')}; this version reads formats {readable}")
     return run
 
 
@@ -208,7 +208,7 @@ class _Steps:
 
     def _add_frames(self, record: Record) -> None:
         """Runs once for each frame: written for speed."""
-        frames = frames_of(record.data[ROWS_AT:])
+        frames = frames_of(record.data, record.step)
         if not frames:
             self._at(record).told = (BUS, [])
         now_us = record.now_ns // 1000

@@ -4,7 +4,7 @@ A recording is an MCAP file (mcap.dev/spec), so other programs open it as it is.
 
 ```
 topic            one message                                                                   encoding
-bus              CAN frames, both ways: rows of 24 bytes (`ROW`), of a tenth of a second       CDR, ros2msg
+bus              CAN frames, both ways, of a tenth of a second: `flight_bus`                    CDR, ros2msg
 in/<station>     {"text": what came in on a port at once}, a character a byte (ISO 8859-1)     JSON
 out/all          {"text": what was said}: every OUT port is told the same                      JSON
 ports, timer     what else the machine was told: a port came or went, time passed              JSON
@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 
 from timonel.errors import RecordingError
+from timonel.recording.flight_bus import frames_of, layout
 from timonel.recording.lines import LogFrame
 
 if TYPE_CHECKING:
@@ -45,15 +46,6 @@ BUS, OUT, PORTS, TIMER, EVENTS, RECORDER = "bus", "out/all", "ports", "timer", "
 IN = "in/"
 DECODED = "decoded/"
 """The topics; a station's port and a message have theirs behind the slash."""
-
-ROW = struct.Struct("<IBBH8sII")
-"""A frame of `bus`: identifier (bit 31: it has 29 bits), length, flags, nothing, data, microseconds since the message's
-`publish_time`, and the step. The first 16 bytes are Linux's `struct can_frame`. A frame of more than eight bytes, as a
-rover's UART has them, goes on in rows that are flagged `CONTINUED`."""
-EXTENDED = 1 << 31
-SENT, CONTINUED = 1, 2
-ROWS_AT = 8
-"""Where the rows of a message begin: behind CDR's header and their number."""
 
 RECORD = struct.Struct("<BQ")
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
@@ -215,7 +207,11 @@ class Flight:
                 return
             if opcode == MESSAGE and place - begin >= size_of_head:
                 _, _, channel, step, stamp, now = MESSAGE_HEAD.unpack_from(data, begin)
-                yield Record(topics.get(channel, ""), step, stamp, now, data[begin + size_of_head : place])
+                topic, message = topics.get(channel, ""), data[begin + size_of_head : place]
+                if topic == BUS and layout(message) is None:
+                    self.damage.append(Damage(offset, place - begin, "a message is not made of frames"))
+                    continue
+                yield Record(topic, step, stamp, now, message)
             elif opcode == CHANNEL:  # others than a Tape put them here
                 self._note(Raw(offset, opcode, data[begin + RECORD.size : place]))
 
@@ -225,42 +221,15 @@ def read(path: str | Path) -> Iterator[Record]:
     return iter(Flight(path))
 
 
-def rows(path: str | Path) -> Iterator[tuple[int, bytes]]:
-    """The wall-clock time in ns of each message of `bus`, and its rows: `len // 24` of them, as `ROW` has them."""
-    return ((record.stamp_ns, record.data[ROWS_AT:]) for record in read(path) if record.topic == BUS)
-
-
 def frames(path: str | Path, *, sent: bool | None = None) -> Iterator[LogFrame]:
     """The frames of the bus with their wall-clock times; with `sent` only those that the gateway sent, or did not."""
-    for stamp, step_rows in rows(path):
-        for frame in frames_of(step_rows):
+    for record in read(path):
+        if record.topic != BUS:
+            continue
+        for frame in frames_of(record.data, record.step):
             if sent is None or frame.sent is sent:
-                moment = (stamp + frame.elapsed * 1000) / 1e9
+                moment = (record.stamp_ns + frame.elapsed * 1000) / 1e9
                 yield LogFrame(moment, frame.identifier, frame.data, frame.extended, len(frame.data) > 8)
-
-
-class BusFrame(NamedTuple):
-    """A frame of `bus`; `elapsed` in microseconds since the message's own time."""
-
-    identifier: int
-    data: bytes
-    extended: bool
-    sent: bool
-    elapsed: int
-    step: int
-
-
-def frames_of(data: bytes) -> list[BusFrame]:
-    """The frames of whole rows. Runs once a frame: written for speed."""
-    found: list[BusFrame] = []
-    for number, length, flags, _, content, elapsed, step in ROW.iter_unpack(data[: len(data) // ROW.size * ROW.size]):
-        if flags & CONTINUED and found:
-            last = found[-1]
-            found[-1] = last._replace(data=last.data + content[:length])
-        else:
-            extended = bool(number & EXTENDED)
-            found.append(BusFrame(number & ~EXTENDED, content[:length], extended, bool(flags & SENT), elapsed, step))
-    return found
 
 
 def _open(path: Path) -> FileIO:

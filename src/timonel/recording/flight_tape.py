@@ -10,20 +10,16 @@ from collections.abc import Iterable, Sequence
 import msgspec
 
 from timonel.core.frame import Frame
-from timonel.recording.flight import (
-    BUS,
+from timonel.recording.flight import BUS, EVENTS, IN, MESSAGE, MESSAGE_HEAD, OUT, PORTS, RECORD, RECORDER, TIMER
+from timonel.recording.flight_bus import (
     CONTINUED,
-    EVENTS,
     EXTENDED,
-    IN,
-    MESSAGE,
-    MESSAGE_HEAD,
-    OUT,
-    PORTS,
-    RECORD,
-    RECORDER,
-    ROW,
-    TIMER,
+    LONGEST_PAUSE,
+    MOST_STEPS,
+    PACKED,
+    SCHEMA,
+    SCHEMA_NAME,
+    message_of,
 )
 
 FULL = 1_000_000  # bytes
@@ -33,24 +29,9 @@ LATEST = 1 << 64
 _encode = msgspec.json.Encoder().encode
 BUS_NUMBER = 1
 _MESSAGE_SIZE = MESSAGE_HEAD.size - RECORD.size
-_pack_row, _pack_head = ROW.pack, MESSAGE_HEAD.pack
+_pack_frame, _pack_head = PACKED.pack, MESSAGE_HEAD.pack
 _pack_entry = struct.Struct("<QQ").pack  # of a message index
-_CDR = struct.Struct("<4sI")
-_LITTLE_ENDIAN = b"\0\1\0\0"  # CDR's header
-
-FRAMES = """\
-# CAN frames of a tenth of a second. The time of one is the message's own and `elapsed`.
-Frame[] frames
-================================================================================
-MSG: timonel/Frame
-uint32 identifier  # bit 31: 29 bits, else 11
-uint8 length
-uint8 flags        # 1: sent by the gateway, 2: goes on with the data of the one before
-uint16 reserved
-uint8[8] data
-uint32 elapsed     # microseconds
-uint32 step        # frames that the machine was told together have the same one
-"""
+_NO_FRAMES = bytes(message_of(b""))
 
 
 class Schema(msgspec.Struct, frozen=True):
@@ -76,7 +57,7 @@ class Topic(msgspec.Struct, frozen=True):
     schema: Schema
 
 
-FRAMES_SCHEMA = Schema("timonel/msg/Frames", "ros2msg", FRAMES, "cdr")
+FRAMES_SCHEMA = Schema(SCHEMA_NAME, "ros2msg", SCHEMA, "cdr")
 TEXT = json_schema("timonel.Text", text="string")
 EVENT = json_schema("timonel.Event", type="string")
 OWN = (
@@ -116,8 +97,9 @@ class Tape:
         self._topics: list[Topic] = []
         for topic in (*OWN, *(Topic(IN + station, TEXT) for station in stations)):
             self.channel(topic)
-        self._rows = bytearray()
-        self._rows_us = self._rows_step = 0
+        self._frames = bytearray()  # of the message of `bus` that is on, as `PACKED` has them
+        self._frames_us = self._frames_step = 0  # when it began
+        self._last_us = self._last_step = 0  # of its last frame
         self._begin()
 
     def _begin(self) -> None:
@@ -137,36 +119,38 @@ class Tape:
 
     def frames(self, frames: Sequence[Frame], us: int, flags: int = 0) -> None:
         """Frames that the machine was told together, or sent (`SENT`), at monotonic `us`."""
-        step = self.step % STEPS
-        elapsed = us - self._rows_us
-        if elapsed >= SPAN or not self._rows:
-            self._begin_rows(us, step)
-            elapsed = 0
         if not frames:
-            self.add(BUS_NUMBER, us, _CDR.pack(_LITTLE_ENDIAN, 0))
-        rows = self._rows
+            self.add(BUS_NUMBER, us, _NO_FRAMES)
+            return
+        since, steps = us - self._last_us, self.step - self._last_step
+        packed = self._frames
+        if not packed or us - self._frames_us >= SPAN or since > LONGEST_PAUSE or steps > MOST_STEPS:
+            packed = self._begin_frames(us)
+            since = steps = 0
+        self._last_us, self._last_step = us, self.step
         for frame in frames:
             data = frame.data
             number = frame.identifier | EXTENDED if frame.extended else frame.identifier
-            rows += _pack_row(number, len(data), flags, 0, data, elapsed, step)
+            packed += _pack_frame(number, data, since, steps, len(data), flags)
+            since = steps = 0
             if len(data) > 8:
-                self._continue(number, data, flags | CONTINUED, elapsed)
+                self._continue(number, data, flags | CONTINUED)
 
-    def _continue(self, number: int, data: bytes, flags: int, elapsed: int) -> None:
-        """The rest of a frame that is longer than a row."""
+    def _continue(self, number: int, data: bytes, flags: int) -> None:
+        """The rest of a frame of more than eight bytes."""
         for place in range(8, len(data), 8):
             rest = data[place : place + 8]
-            self._rows += _pack_row(number, len(rest), flags, 0, rest, elapsed, self.step % STEPS)
+            self._frames += _pack_frame(number, rest, 0, 0, len(rest), flags)
 
-    def _begin_rows(self, us: int, step: int) -> None:
-        if self._rows:
-            self._close_rows()
-        self._rows_us, self._rows_step = us, step
+    def _begin_frames(self, us: int) -> bytearray:
+        if self._frames:
+            self._close_frames()
+        self._frames_us, self._frames_step = us, self.step % STEPS
+        return self._frames
 
-    def _close_rows(self) -> None:
-        rows, self._rows = self._rows, bytearray()
-        message = _CDR.pack(_LITTLE_ENDIAN, len(rows) // ROW.size) + rows
-        self.add(BUS_NUMBER, self._rows_us, message, self._rows_step)
+    def _close_frames(self) -> None:
+        packed, self._frames = self._frames, bytearray()
+        self.add(BUS_NUMBER, self._frames_us, message_of(packed), self._frames_step)
 
     def add(self, channel: int, us: int, data: bytes | bytearray, step: int | None = None) -> None:
         """A message of a topic, by its number; of this step if no other is said."""
@@ -189,8 +173,8 @@ class Tape:
 
     def take(self) -> Page | None:
         """What was recorded since the last page; None if that is nothing. Only between two steps."""
-        if self._rows:
-            self._close_rows()
+        if self._frames:
+            self._close_frames()
         if not self._data:
             return None
         steps = self.step - self._began

@@ -5,6 +5,7 @@
 
 from timonel.recording import flight
 from timonel.recording.blocks import Blocks, Results
+from timonel.recording.flight_bus import frames_of, layout
 from timonel.recording.lines import Kind, LogFrame, moment
 from timonel.recording.strays import unreadable_bytes
 
@@ -45,7 +46,7 @@ class Mcap(Blocks):
             case flight.CHANNEL:
                 self._note(content)
             case flight.MESSAGE:
-                yield from self._message(block)
+                yield from self._message(block, at)
             case flight.CHUNK:
                 yield from self._chunk(content, at)
 
@@ -67,13 +68,14 @@ class Mcap(Blocks):
         """Read records from `place` on as long as that can be done faster; where the next one begins."""
         return place
 
-    def _message(self, block: bytes) -> Results:
-        _, _, channel, _, stamp, _ = flight.MESSAGE_HEAD.unpack_from(block)
-        if self._topics.get(channel) == flight.BUS:
-            yield from self._bus(stamp, block[flight.MESSAGE_HEAD.size + flight.ROWS_AT :])
-
-    def _bus(self, stamp: int, rows: bytes) -> Results:
-        for frame in flight.frames_of(rows):
+    def _message(self, block: bytes, at: int) -> Results:
+        _, _, channel, step, stamp, _ = flight.MESSAGE_HEAD.unpack_from(block)
+        if self._topics.get(channel) != flight.BUS:
+            return
+        message = block[flight.MESSAGE_HEAD.size :]
+        if layout(message) is None:
+            yield unreadable_bytes(at, block, "a message that is not made of frames")
+        for frame in frames_of(message, step):
             seconds = moment((stamp + frame.elapsed * 1000) / 1e9)
             yield LogFrame(seconds, frame.identifier, frame.data, frame.extended, len(frame.data) > 8)
 

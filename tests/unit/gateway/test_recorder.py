@@ -24,7 +24,8 @@ from timonel.gateway.recorder import Keeper, Recorder, event_message, front
 from timonel.gateway.recording import recorded
 from timonel.gateway.recording_settings import Recording
 from timonel.recording import flight_writer
-from timonel.recording.flight import BUS, ROWS_AT, Flight, Metadata, Record, frames_of
+from timonel.recording.flight import BUS, Flight, Metadata, Record
+from timonel.recording.flight_bus import frames_of
 from timonel.recording.flight_tape import Page
 from timonel.vehicles.boat.settings import BoatSettings
 
@@ -92,7 +93,7 @@ def test_what_the_vehicle_is_told_and_what_it_answers_is_one_step(tmp_path: Path
         ("out/all", 0, {"text": "$IIHDT,182.3,T*2F\r\n$PARP,STATUS\r\n"}),
         ("bus", 0, None),
     ]
-    (frame,) = frames_of(rig.records()[-1].data[ROWS_AT:])
+    (frame,) = frames_of(rig.records()[-1].data, 0)
     assert (frame.identifier, frame.sent) == (FRAME.identifier, True)
 
 
@@ -108,7 +109,7 @@ def test_frames_ports_and_time_are_steps_too(tmp_path: Path) -> None:
 
     records = asyncio.run(scene()).records()
     assert told(records)[:2] == [("ports", 1, {"port": "Bridge", "connected": True}), ("timer", 3, {})]
-    assert [frame.step for frame in frames_of(records[-1].data[ROWS_AT:])] == [0, 0, 2]
+    assert [frame.step for frame in frames_of(records[-1].data, records[-1].step)] == [0, 0, 2]
 
 
 def test_the_time_of_a_step_is_the_time_that_the_vehicle_is_told(tmp_path: Path) -> None:
@@ -393,5 +394,5 @@ def test_the_gateway_lets_the_recorder_know_before_anything_is_done(tmp_path: Pa
             return rig
 
     records = [record for record in asyncio.run(scene()).records() if record.topic == BUS]
-    assert [frame.sent for record in records for frame in frames_of(record.data[ROWS_AT:])] == [False, True]
+    assert [frame.sent for record in records for frame in frames_of(record.data, record.step)] == [False, True]
     assert gateway_module.FAULTS > 1

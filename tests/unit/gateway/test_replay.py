@@ -12,7 +12,8 @@ from timonel.core.frame import Frame
 from timonel.errors import RecordingError
 from timonel.gateway import moment, replay
 from timonel.gateway.replay import segments, verify
-from timonel.recording.flight import BUS, EVENTS, MESSAGE, MESSAGE_HEAD, OUT, ROW, ROWS_AT, Flight, Metadata, Record
+from timonel.recording.flight import BUS, EVENTS, MESSAGE, MESSAGE_HEAD, OUT, Flight, Metadata, Record
+from timonel.recording.flight_bus import PACKED, ROW, layout, message_of
 from timonel.recording.flight_segment import INDEX_ENTRY, SegmentFile
 from timonel.recording.flight_tape import OWN, TEXT, Page, Topic
 from timonel.recording.flight_writer import Limits
@@ -92,10 +93,11 @@ def test_one_byte_of_a_line_is_noticed(boat: Path, tmp_path: Path, number: int) 
 
 def test_one_bit_of_a_sent_frame_is_noticed(rover: Path, tmp_path: Path) -> None:
     def flip(data: bytes) -> bytes:
-        rows = bytearray(data)
-        sent = next(place for place in range(ROWS_AT, len(data), ROW.size) if rows[place + 5])
-        rows[sent + 8] ^= 1
-        return bytes(rows)
+        message = bytearray(data)
+        _, contents, *_, flags = layout(data).columns
+        sent = next(place for place in range(len(data) - flags) if data[flags + place])
+        message[contents + 8 * sent] ^= 1
+        return bytes(message)
 
     difference = verify(altered(rover, tmp_path / "a.mcap", only(BUS, 0, flip))).difference
     assert difference is not None
@@ -189,7 +191,7 @@ def told(metadata: Metadata, name: str, **changes: str) -> Metadata:
 @pytest.mark.parametrize(
     ("name", "changes", "message"),
     [
-        ("timonel.recording", {"format": "9"}, "of format 9; this version reads format 1"),
+        ("timonel.recording", {"format": "9"}, "of format 9; this version reads formats 1 and 2"),
         ("timonel.machine", {"vehicle": "submarine"}, "does not say what made it"),
         ("timonel.machine", {"settings": '{"depth":300}'}, "not understood: settings"),
         ("timonel.machine", {"began_us": ""}, "not understood: began_us"),
@@ -257,9 +259,10 @@ def test_steps_are_counted_beyond_32_bits() -> None:
 
 def test_frames_that_were_told_together_are_told_together() -> None:
     rows = b"".join(ROW.pack(0x123, 1, 0, 0, bytes((number,)), 0, number // 2) for number in range(4))
-    data = b"\0\1\0\0\4\0\0\0" + rows
+    columns = b"".join(PACKED.pack(0x123, bytes((number,)), 0, number == 2, 1, 0) for number in range(4))
     frames = [Frame(0x123, bytes((number,)), extended=False) for number in range(4)]
-    assert list(steps([record(BUS, 0, data)])) == [(0, (BUS, frames[:2])), (1, (BUS, frames[2:]))]
+    for data in (b"\0\1\0\0\4\0\0\0" + rows, bytes(message_of(columns))):
+        assert list(steps([record(BUS, 0, data)])) == [(0, (BUS, frames[:2])), (1, (BUS, frames[2:]))]
 
 
 def test_a_batch_of_no_frames_is_told_too() -> None:

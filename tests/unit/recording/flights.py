@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from timonel.core.frame import Frame
-from timonel.recording.flight import EVENTS, OUT, SENT, TIMER, Metadata
+from timonel.recording.flight import EVENTS, OUT, TIMER, Metadata
+from timonel.recording.flight_bus import SENT
 from timonel.recording.flight_segment import SegmentFile
 from timonel.recording.flight_tape import Page, Tape, text
 

@@ -9,7 +9,7 @@ import pytest
 
 from tests.unit.recording.flights import HEADING, LONG, METADATA, OFFSET, SHORT, recording
 from timonel.errors import RecordingError
-from timonel.recording import flight, open_log
+from timonel.recording import flight, flight_bus, open_log
 from timonel.recording.candump_words import BLOCK
 from timonel.recording.chunks import open_frames
 from timonel.recording.flight_segment import SegmentFile
@@ -257,7 +257,10 @@ def test_our_own_recordings_are_read_whole_and_torn(tmp_path):
 
 
 BUS_AT = 3
-ROWS = flight.ROW.pack(HEADING.identifier | flight.EXTENDED, 8, 0, 0, b"12345678", 250, 7)
+ROWS = flight_bus.ROW.pack(HEADING.identifier | flight_bus.EXTENDED, 8, 0, 0, b"12345678", 250, 7)
+ONE, TWO = (b"\0\1\0\0" + bytes((count, 0, 0, 0)) for count in (1, 2))
+PACKED = flight_bus.PACKED.pack(HEADING.identifier | flight_bus.EXTENDED, b"12345678", 250, 7, 8, 0)
+COLUMNS = flight_bus.message_of(PACKED * 3)
 BUS = flight.RECORD.pack(flight.CHANNEL, 15) + b"\3\0\0\0\3\0\0\0bus" + bytes(4)
 
 
@@ -266,32 +269,47 @@ def message(content, channel=BUS_AT, stamp=1_700_000_000_000_000_000, opcode=fli
     return flight.MESSAGE_HEAD.pack(opcode, 22 + len(content), channel, 1, stamp, stamp) + content
 
 
+def packed(identifier=HEADING.identifier, data=b"12345678", length=8, flags=0):
+    """A message of two frames in columns, the second of which is odd."""
+    return message(flight_bus.message_of(PACKED + flight_bus.PACKED.pack(identifier, data, 1, 1, length, flags)))
+
+
 ODD_RECORDS = {
     "of another channel": message(b"{}", channel=4),
-    "of no known kind": message(bytes(8) + ROWS, opcode=0x77),
-    "with a row and a half": message(bytes(8) + ROWS + ROWS[:12]),
+    "of no known kind": message(ONE + ROWS, opcode=0x77),
+    "with a row and a half": message(TWO + ROWS + ROWS[:12]),
+    "with more rows than it says": message(ONE + ROWS + ROWS),
     "without even its number of rows": message(bytes(5)),
     "without a row": message(bytes(8)),
-    "from a time beyond all clocks": message(bytes(8) + ROWS, stamp=1 << 62),
-    "from a year before that": message(bytes(8) + ROWS, stamp=4_580_000_000_000_000_000),
-    "with a frame that goes on": message(bytes(8) + ROWS + ROWS[:5] + bytes((flight.CONTINUED,)) + ROWS[6:]),
-    "with a length that no row has": message(bytes(8) + ROWS[:4] + b"\x09" + ROWS[5:]),
-    "with bytes behind its data": message(bytes(8) + ROWS[:4] + b"\x03" + ROWS[5:]),
-    "a second channel of that name": BUS[:9] + b"\5" + BUS[10:] + message(bytes(8) + ROWS, channel=5),
+    "without a frame": message(flight_bus.message_of(b"")),
+    "with columns that are cut off": message(COLUMNS[:-1]),
+    "with bytes behind its columns": message(COLUMNS + b"\0"),
+    "with a column that is too short": message(COLUMNS[:20] + b"\x17" + COLUMNS[21:]),
+    "with more columns than there could be": message(b"\0\1\0\0\xff\xff\xff\xff" + bytes(60)),
+    "from a time beyond all clocks": message(ONE + ROWS, stamp=1 << 62),
+    "from a year before that": message(ONE + ROWS, stamp=4_580_000_000_000_000_000),
+    "with a row that goes on": message(TWO + ROWS + ROWS[:5] + bytes((flight_bus.CONTINUED,)) + ROWS[6:]),
+    "with a frame that goes on": packed(flags=flight_bus.CONTINUED),
+    "with a length that no row has": message(ONE + ROWS[:4] + b"\x09" + ROWS[5:]),
+    "with a length that no frame has": packed(length=9),
+    "with bytes behind a row's data": message(ONE + ROWS[:4] + b"\x03" + ROWS[5:]),
+    "with bytes behind its data": packed(length=3),
+    "with a frame of eleven bits": packed(identifier=0x123),
+    "a second channel of that name": BUS[:9] + b"\5" + BUS[10:] + message(ONE + ROWS, channel=5),
     "too short for a message": flight.RECORD.pack(flight.MESSAGE, 21) + bytes(21),
-    "cut off": message(bytes(8) + ROWS)[:-1],
+    "cut off": message(ONE + ROWS)[:-1],
     "a size beyond everything": flight.RECORD.pack(flight.MESSAGE, (1 << 64) - 1) + bytes(40),
 }
 
 
 @pytest.mark.parametrize("odd", ODD_RECORDS.values(), ids=ODD_RECORDS)
 def test_records_of_every_kind_between_those_of_the_bus(tmp_path, odd):
-    sound = message(bytes(8) + ROWS + ROWS)
+    sound = message(TWO + ROWS + ROWS) + message(COLUMNS)
     chunk = BUS + sound + sound + odd + sound
     content = struct.pack("<QQQII", 0, 0, len(chunk), 0, 0) + struct.pack("<Q", len(chunk)) + chunk
     record = flight.RECORD.pack(flight.CHUNK, len(content)) + content
     frames = concatenate(same(written(tmp_path / "log.mcap", flight.MAGIC + record + record)))
-    assert len(frames) >= 4
+    assert len(frames) >= 10
 
 
 def test_frames_of_our_own_recordings_that_are_longer_than_a_row_stay_whole_and_in_place(tmp_path):

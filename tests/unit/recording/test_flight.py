@@ -11,15 +11,12 @@ from timonel.recording.flight import (
     BUS,
     EVENTS,
     OUT,
-    ROW,
-    ROWS_AT,
     TIMER,
     Flight,
     frames,
-    frames_of,
     read,
-    rows,
 )
+from timonel.recording.flight_bus import LONGEST_PAUSE, MOST_STEPS, ROW, frames_of, layout, message_of
 from timonel.recording.flight_segment import SegmentFile
 from timonel.recording.flight_tape import SPAN, Tape
 
@@ -36,10 +33,10 @@ def test_what_was_recorded_is_read_back_with_both_times(tmp_path: Path) -> None:
 
 def test_frames_are_read_back_with_direction_time_and_step(tmp_path: Path) -> None:
     recording(tmp_path / "a.mcap", pages=1)
-    (message,) = rows(tmp_path / "a.mcap")
-    assert message[0] == OFFSET
+    (message,) = [record for record in read(tmp_path / "a.mcap") if record.topic == BUS]
+    assert message.stamp_ns == OFFSET
     found = [(frame.identifier, frame.data, frame.extended, frame.sent, frame.elapsed, frame.step)
-             for frame in frames_of(message[1])]  # fmt: skip
+             for frame in frames_of(message.data, message.step)]  # fmt: skip
     assert found[:4] == [
         (HEADING.identifier, HEADING.data, True, False, 0, 0),
         (SHORT.identifier, b"", False, False, 0, 0),
@@ -62,14 +59,14 @@ def test_a_frame_of_a_uart_may_be_longer_than_a_row() -> None:
     tape.frames([LONG, SHORT], 0)
     made = tape.take()
     assert made is not None
-    content = bytes(made.data[31 + ROWS_AT :])
-    assert len(content) == 4 * ROW.size
-    assert [Frame(frame.identifier, frame.data, frame.extended) for frame in frames_of(content)] == [LONG, SHORT]
+    content = bytes(made.data[31:])
+    assert layout(content).frames == 4
+    assert [Frame(frame.identifier, frame.data, frame.extended) for frame in frames_of(content, 0)] == [LONG, SHORT]
 
 
 def test_a_message_of_the_bus_spans_a_tenth_of_a_second(tmp_path: Path) -> None:
     tape = Tape([], 0)
-    for us in (0, SPAN - 1, SPAN, SPAN + 1):
+    for us in (0, SPAN // 2, SPAN - 1, SPAN, SPAN + 1):
         tape.step += 1
         tape.frames([HEADING], us)
     made = tape.take()
@@ -77,10 +74,63 @@ def test_a_message_of_the_bus_spans_a_tenth_of_a_second(tmp_path: Path) -> None:
     segment = SegmentFile(tmp_path / "a.mcap", METADATA)
     segment.write(made)
     segment.finish()
-    assert [(record.step, len(frames_of(record.data[ROWS_AT:]))) for record in read(tmp_path / "a.mcap")] == [
-        (0, 2),
-        (2, 2),
+    assert [(record.step, len(frames_of(record.data, 0))) for record in read(tmp_path / "a.mcap")] == [
+        (0, 3),
+        (3, 2),
     ]
+
+
+@pytest.mark.parametrize(
+    ("pause", "quiet"), [(LONGEST_PAUSE, 0), (LONGEST_PAUSE + 1, 0), (0, MOST_STEPS), (1, 1 + MOST_STEPS)]
+)
+def test_frames_after_a_pause_or_many_steps_have_their_time_and_step(tmp_path: Path, pause: int, quiet: int) -> None:
+    tape = Tape([], OFFSET)
+    tape.step = (1 << 32) - 1
+    tape.frames([HEADING], 7)
+    tape.step += quiet
+    tape.frames([HEADING, SHORT], 7 + pause)
+    segment = SegmentFile(tmp_path / "a.mcap", METADATA)
+    segment.write(tape.take())
+    segment.finish()
+    records = list(read(tmp_path / "a.mcap"))
+    assert len(records) == 1 + (pause > LONGEST_PAUSE or quiet > MOST_STEPS)
+    last = frames_of(records[-1].data, records[-1].step)[-1]
+    assert records[-1].now_ns // 1000 + last.elapsed == 7 + pause
+    assert last.step == ((1 << 32) - 1 + quiet) % (1 << 32)
+    assert last.identifier == SHORT.identifier
+
+
+def test_frames_in_rows_as_they_were_recorded_before_are_read() -> None:
+    rows = ROW.pack(HEADING.identifier | 1 << 31, 8, 1, 0, HEADING.data, 250, 7)
+    (frame,) = frames_of(b"\0\1\0\0\1\0\0\0" + rows, 3)
+    assert frame == (HEADING.identifier, HEADING.data, True, True, 250, 7)
+
+
+def test_no_size_of_a_message_could_be_that_of_rows_and_of_columns() -> None:
+    for count in range(1, 2000):
+        message = bytes(message_of(bytes(17 * count)))
+        assert layout(message).columns
+        assert not layout(message[:4] + count.to_bytes(4, "little") + bytes(24 * count)).columns
+    assert frames_of(bytes(message_of(b"")), 0) == []
+
+
+@pytest.mark.parametrize("changed", [b"", bytes(7), bytes(9), bytes(40), bytes(message_of(bytes(17)))[:-1]])
+def test_a_message_that_is_not_made_of_frames_has_none(changed: bytes) -> None:
+    assert layout(changed) is None
+    assert frames_of(changed, 0) == []
+
+
+def test_a_message_of_the_bus_that_is_not_made_of_frames_is_damage(tmp_path: Path) -> None:
+    tape = Tape([], OFFSET)
+    tape.step += 1
+    tape.add(tape.numbers[BUS], 0, b"no frames")
+    tape.frames([HEADING], 1)
+    segment = SegmentFile(tmp_path / "a.mcap", METADATA)
+    segment.write(tape.take())
+    segment.finish()
+    flight = Flight(tmp_path / "a.mcap")
+    assert len(list(flight)) == 1
+    assert [damage.reason for damage in flight.damage] == ["a message is not made of frames"]
 
 
 def test_steps_are_counted_on_beyond_32_bits(tmp_path: Path) -> None:
@@ -118,10 +168,12 @@ def test_a_reader_of_ros_messages_understands_the_bus(tmp_path: Path) -> None:
     with open(tmp_path / "a.mcap", "rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         (message,) = [decoded for *_, decoded in reader.iter_decoded_messages(topics=[BUS])]
-    first, short, sent = message.frames[:3]
-    assert (first.identifier, first.length, bytes(first.data)) == (HEADING.identifier | 1 << 31, 8, HEADING.data)
-    assert (short.identifier, short.length, short.flags) == (0x123, 0, 0)
-    assert (sent.flags, sent.elapsed, sent.step) == (1, 0, 0)
+    assert list(message.identifier[:2]) == [HEADING.identifier | 1 << 31, 0x123]
+    assert bytes(message.data[:16]) == HEADING.data + bytes(8)
+    assert list(message.length[:2]) == [8, 0]
+    assert list(message.flags[:4]) == [0, 0, 1, 0]
+    assert list(message.since[:4]) == [0, 0, 0, 1000]
+    assert list(message.steps[:4]) == [0, 0, 0, 1]
 
 
 def test_a_page_holds_whole_steps(tmp_path: Path) -> None:
