@@ -41,8 +41,9 @@ class Blocks(ABC):
                 continue
             if len(data) - at < size:
                 break
-            yield from self._strays.told()
-            yield from self._read(data[at : at + size], self._at + at)
+            if not self._is_empty(data, at):
+                yield from self._strays.told()
+                yield from self._read(data[at : at + size], self._at + at)
             at += size
         self._rest = b"" if self._lost else data[at:]
         self._at += at
@@ -69,6 +70,10 @@ class Blocks(ABC):
             yield from self._block(block, at)
         except (ValueError, struct_error) as reason:
             yield unreadable_bytes(at, block, str(reason))
+
+    def _is_empty(self, data: bytes, at: int) -> bool:
+        """Whether the block that begins at `at` has nothing that is read."""
+        return False
 
     @abstractmethod
     def _size(self, data: bytes, at: int) -> int:

@@ -105,7 +105,7 @@ class ChunkHead(NamedTuple):
     length: int
 
     @classmethod
-    def of(cls, content: bytes) -> "ChunkHead":
+    def of(cls, content: bytes | memoryview) -> "ChunkHead":
         """Raises ValueError and struct.error."""
         first, last, unpacked, crc, _ = _CHUNK_HEAD.unpack_from(content)
         compression, end = text_at(content, _CHUNK_HEAD.size - 4)
@@ -246,17 +246,17 @@ def _open(path: Path) -> FileIO:
     raise RecordingError(f"{path}: not an MCAP file")
 
 
-def unpacked(content: bytes) -> bytes:
+def unpacked(content: bytes | memoryview) -> bytes:
     """What a chunk holds. Raises ValueError, struct.error and `zstd_error` for a damaged one."""
     head = ChunkHead.of(content)
     if head.unpacked > LARGEST_CHUNK:
         raise ValueError(f"{head.unpacked} bytes are announced")
-    data = content[head.length :]
+    packed = content[head.length :]
     match head.compression:
         case "":
-            pass
+            data = bytes(packed)
         case "zstd":
-            data = _decompress(data, head.unpacked)
+            data = _decompress(packed, head.unpacked)
         case other:
             raise ValueError(f'compressed with "{other}", which is not read here')
     if head.crc and zlib.crc32(data) != head.crc:
@@ -264,7 +264,7 @@ def unpacked(content: bytes) -> bytes:
     return data
 
 
-def _decompress(data: bytes, size: int) -> bytes:
+def _decompress(data: bytes | memoryview, size: int) -> bytes:
     from zstandard import frame_content_size
 
     if frame_content_size(data) not in (-1, size):  # it says itself how much memory it wants
@@ -289,13 +289,13 @@ def decompressor() -> "ZstdDecompressor":
     return ZstdDecompressor()
 
 
-def text_at(content: bytes, place: int) -> tuple[str, int]:
+def text_at(content: bytes | memoryview, place: int) -> tuple[str, int]:
     """A string with its size before it, and where it ends."""
     (size,) = struct.unpack_from("<I", content, place)
     end = place + 4 + size
     if end > len(content):
         raise ValueError("a text is cut off")
-    return content[place + 4 : end].decode(), end
+    return bytes(content[place + 4 : end]).decode(), end
 
 
 def _pairs(content: bytes, place: int) -> dict[str, str]:

@@ -10,6 +10,9 @@ from timonel.recording.lines import Kind, LogFrame, moment
 from timonel.recording.strays import unreadable_bytes
 
 
+_READ = (flight.CHANNEL, flight.MESSAGE, flight.CHUNK)
+
+
 class Mcap(Blocks):
     """MCAP with a topic `bus`."""
 
@@ -40,17 +43,19 @@ class Mcap(Blocks):
         opcode, size = flight.RECORD.unpack_from(data, at)
         return self.HEAD + size if opcode and size <= flight.LARGEST_CHUNK else 0
 
+    def _is_empty(self, data: bytes, at: int) -> bool:
+        return data[at] not in _READ
+
     def _block(self, block: bytes, at: int) -> Results:
-        content = block[self.HEAD :]
         match block[0]:
             case flight.CHANNEL:
-                self._note(content)
+                self._note(block[self.HEAD :])
             case flight.MESSAGE:
                 yield from self._message(block, at)
             case flight.CHUNK:
-                yield from self._chunk(content, at)
+                yield from self._chunk(memoryview(block)[self.HEAD :], at)
 
-    def _chunk(self, content: bytes, at: int) -> Results:
+    def _chunk(self, content: memoryview, at: int) -> Results:
         try:
             data = flight.unpacked(content)
         except self._damage as damage:
