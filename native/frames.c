@@ -54,7 +54,7 @@ PyObject *frame_codes(PyObject *module, PyObject *arguments)
 }
 
 /* (rows, stamps, codes, next, row, stamp, identifier, length, data) -> None: rows with code c go, in their order, from
-   next[c] on; those where it is negative nowhere. Of int64: stamps, next, row, stamp, length. */
+   next[c] on; those where it is negative nowhere. Of int64: stamps, next, row, stamp; uint8: length. */
 PyObject *single_frames(PyObject *module, PyObject *arguments)
 {
     enum { ROWS, STAMPS, CODES, NEXT, ROW_OF, STAMP, IDENTIFIER, LENGTH_OF, DATA_OF, ALL };
@@ -70,7 +70,7 @@ PyObject *single_frames(PyObject *module, PyObject *arguments)
     i64 count = views[ROWS].len / ROW, kinds = views[NEXT].len / 8, room = views[ROW_OF].len / 8;
     if (enough(&views[STAMPS], count, 8, "stamps") || enough(&views[CODES], count, 2, "codes")
         || enough(&views[STAMP], room, 8, "stamp") || enough(&views[IDENTIFIER], room, 4, "identifier")
-        || enough(&views[LENGTH_OF], room, 8, "length") || enough(&views[DATA_OF], room, 8, "data")) {
+        || enough(&views[LENGTH_OF], room, 1, "length") || enough(&views[DATA_OF], room, 8, "data")) {
         give_buffers_back(&buffers);
         return NULL;
     }
@@ -82,8 +82,8 @@ PyObject *single_frames(PyObject *module, PyObject *arguments)
     const u8 *rows = views[ROWS].buf;
     const i64 *stamps = views[STAMPS].buf;
     const u16 *codes = views[CODES].buf;
-    i64 *next = views[NEXT].buf, *row_out = views[ROW_OF].buf, *stamp = views[STAMP].buf,
-        *length = views[LENGTH_OF].buf;
+    i64 *next = views[NEXT].buf, *row_out = views[ROW_OF].buf, *stamp = views[STAMP].buf;
+    u8 *length = views[LENGTH_OF].buf;
     u32 *identifier = views[IDENTIFIER].buf;
     u8 *data = views[DATA_OF].buf;
     Kinds chosen;
@@ -113,7 +113,7 @@ PyObject *single_frames(PyObject *module, PyObject *arguments)
                 row_out[at] = row;
                 stamp[at] = stamps[row];
                 identifier[at] = (u32)head & 0x7FFFFFFF;
-                length[at] = head >> 32 & 0xFF;
+                length[at] = (u8)(head >> 32);
                 store8(data + 8 * at, load8(rows + ROW * row + DATA));
             }
             next[chosen.code[kind]] = at;

@@ -31,6 +31,9 @@ PACE = 1_000_000
 _PDU1 = 0xF000
 _WHOLE = WHOLE << 40  # in the first word of a row
 
+_EIGHT = np.array([8], np.intp)
+_EIGHT.flags.writeable = False
+
 Octets = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.intp]
 Words = npt.NDArray[np.uint64]
@@ -143,7 +146,7 @@ class Assembly:
         """Frames that are messages; `counts` is how many there are of each code."""
         ends = np.cumsum(counts, dtype=np.int64)
         size = int(ends[-1])
-        row, stamp, length = (np.empty(size, np.int64) for _ in range(3))
+        row, stamp, length = np.empty(size, np.int64), np.empty(size, np.int64), np.empty(size, np.uint8)
         identifier, data = np.empty(size, np.uint32), np.empty((size, 8), np.uint8)
         begin = np.where(counts > 0, ends - counts, -1)
         native.kernels.single_frames(frames.rows, frames.stamp, codes, begin, row, stamp, identifier, length, data)
@@ -152,7 +155,8 @@ class Assembly:
         for code in np.flatnonzero(counts).tolist():
             pgn, frame = _named(self._kinds.channels[code])
             some = slice(int(ends[code] - counts[code]), int(ends[code]))
-            groups.append(Group(pgn, frame, row[some], stamp[some], identifier[some], data[some], length[some]))
+            lengths = _lengths(length[some])
+            groups.append(Group(pgn, frame, row[some], stamp[some], identifier[some], data[some], lengths))
         return groups
 
     def _times(self, stamp: Stamps) -> Stamps:
@@ -171,6 +175,13 @@ class Assembly:
         row = part.row + self.frames
         pgn, frame = _named(part.channel)
         return Group(pgn, frame, row, stamp.take(part.row), part.identifier, part.payloads, part.lengths)
+
+
+def _lengths(short: Octets) -> Lengths:
+    """The same as long integers: of whole frames, which most are, one that all share."""
+    if short.min() == _EIGHT[0] == short.max():
+        return np.ndarray((len(short),), np.intp, _EIGHT, 0, (0,))
+    return short.astype(np.intp)
 
 
 def _named(channel: int) -> tuple[int | None, int | None]:

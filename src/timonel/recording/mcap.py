@@ -9,7 +9,6 @@ from timonel.recording.flight_bus import frames_of, layout
 from timonel.recording.lines import Kind, LogFrame, moment
 from timonel.recording.strays import unreadable_bytes
 
-
 _READ = (flight.CHANNEL, flight.MESSAGE, flight.CHUNK)
 
 
