@@ -70,8 +70,6 @@ PyObject *frame_codes(PyObject *module, PyObject *arguments);
 PyObject *single_frames(PyObject *module, PyObject *arguments);
 PyObject *fast_packets(PyObject *module, PyObject *arguments);
 PyObject *cut_payloads(PyObject *module, PyObject *arguments);
-PyObject *scaled_numbers(PyObject *module, PyObject *arguments);
-PyObject *whole_numbers(PyObject *module, PyObject *arguments);
 PyObject *json_lines(PyObject *module, PyObject *arguments);
 PyObject *gather(PyObject *module, PyObject *arguments);
 PyObject *values_by_kind(PyObject *module, PyObject *arguments);

@@ -37,8 +37,6 @@ static PyMethodDef methods[] = {
     {"single_frames", single_frames, METH_VARARGS, NULL},
     {"fast_packets", fast_packets, METH_VARARGS, NULL},
     {"cut_payloads", cut_payloads, METH_VARARGS, NULL},
-    {"scaled_numbers", scaled_numbers, METH_VARARGS, NULL},
-    {"whole_numbers", whole_numbers, METH_VARARGS, NULL},
     {"json_lines", json_lines, METH_VARARGS, NULL},
     {"gather", gather, METH_VARARGS, NULL},
     {"values_by_kind", values_by_kind, METH_VARARGS, NULL},

@@ -74,28 +74,6 @@ def fast_packets(
 def cut_payloads(payloads: Array, offset: Array, size: Array, cells: Array, width: int, /) -> None:
     """`size` bytes from each offset, and zeros, to rows of `width` bytes."""
 
-def scaled_numbers(
-    block: Array,
-    first: int,
-    shift: int,
-    bits: int,
-    signed: bool,
-    lowest: int,
-    highest: int,
-    add: int,
-    factor: float,
-    divided: bool,
-    offset: float,
-    values: Array,
-    /,
-) -> None:
-    """`values` float64[n] of a field in each row of `block` uint8[n, width], whose rows may be apart: what it has from
-    bit `shift` of byte `first` on, `add`ed to as it is, multiplied with `factor` or divided by it, and `offset` added;
-    NaN where the raw value is below `lowest` or above `highest`."""
-
-def whole_numbers(block: Array, first: int, shift: int, bits: int, signed: bool, size: int, values: Array, /) -> None:
-    """The same as integers of `size` bytes."""
-
 def gather(flat: Array, places: Array, cells: Array, size: int, /) -> None:
     """`size` bytes from each place, side by side."""
 

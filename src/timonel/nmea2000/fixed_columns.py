@@ -11,7 +11,6 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from timonel import native
 from timonel.core.fields import Ascii, Number
 from timonel.nmea2000.catalogue import Field
 from timonel.nmea2000.catalogue_codec import text
@@ -70,11 +69,9 @@ def reader(place: Place) -> Reader:
             return lambda block, have: Column(field, *_octets(place, block, have))
         case Ascii():
             return lambda block, have: Column(field, _texts(place, block, have))
-    raw, scaled, need, at_once = _raw(place), _scaled(place), place.need, _at_once(place)
+    raw, scaled, need = _raw(place), _scaled(place), place.need
 
     def read(block: Payloads, have: Rows | None) -> Column:
-        if have is None and at_once is not None and native.kernels is not None:
-            return Column(field, at_once(block))
         short = None if have is None else 8 * have < need
         return scaled(field, raw(block), short if short is not None and short.any() else None)
 
@@ -126,49 +123,7 @@ def _raw(place: Place) -> Raw:
             words = words >> shift
         return (words & (1 << bits) - 1).astype(smallest, copy=False)
 
-    plain = cut if spare else whole
-    return _whole_numbers(place, signed, plain) if _compiled(place) else plain
-
-
-def _compiled(place: Place) -> bool:
-    """Whether the kernels read it: it lies in a word, and so do its values if they have a sign."""
-    return place.bits < 64 and place.offset % 8 + place.bits <= 64
-
-
-def _whole_numbers(place: Place, signed: bool, plain: Raw) -> Raw:
-    """What `plain` gives, with a kernel where there is one."""
-    size, least = _bytes_for(place.bits), -(-(place.offset + place.bits) // 8)
-    where = place.first, place.offset % 8, place.bits, signed, size
-    smallest = np.dtype(f"<{'i' if signed else 'u'}{size}")
-
-    def read(block: Payloads) -> Array:
-        if native.kernels is None:
-            return plain(block)
-        values = np.empty(len(block), smallest)
-        native.kernels.whole_numbers(with_room(block, least), *where, values)
-        return values
-
-    return read
-
-
-def _at_once(place: Place) -> Raw | None:
-    """Scaled numbers by a kernel: what `_raw` and `_numbers` do. None if they are no field for it."""
-    number = place.kind
-    if not isinstance(number, Ranged) or number.integral or not _compiled(place):
-        return None
-    where = place.first, place.offset % 8, place.bits
-    shift, inverse = number.shift, number.inverse
-    factor, divided = (number.resolution, False) if inverse is None else (inverse, True)
-    lowest, highest = number.range
-    offset = number.offset if shift is None else 0
-    how = (*where, number.signed, lowest, highest, shift or 0, factor, divided, offset)
-
-    def read(block: Payloads) -> Array:
-        values = np.empty(len(block), np.float64)
-        native.kernels.scaled_numbers(block, *how, values)
-        return values
-
-    return read
+    return cut if spare else whole
 
 
 def with_room(block: Payloads, width: int) -> Payloads:
