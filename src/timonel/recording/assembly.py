@@ -150,7 +150,8 @@ class Assembly:
         identifier, data = np.empty(size, np.uint32), np.empty((size, 8), np.uint8)
         begin = np.where(counts > 0, ends - counts, -1)
         native.kernels.single_frames(frames.rows, frames.stamp, codes, begin, row, stamp, identifier, length, data)
-        row += self.frames
+        if self.frames:
+            row += self.frames
         groups = []
         for code in np.flatnonzero(counts).tolist():
             pgn, frame = _named(self._kinds.channels[code])
