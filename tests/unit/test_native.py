@@ -15,6 +15,11 @@ def numbers(count):
     return np.zeros(count, np.int64)
 
 
+def each(count):
+    """So many arrays of one number."""
+    return [numbers(1) for _ in range(count)]
+
+
 SMALL = [numbers(1)] * 11
 SLOTS, STREAMS = np.zeros(1 << 22, np.uint8), np.zeros(0x130000, np.uint16)
 PLENTY = [numbers(64)] * 12
@@ -63,9 +68,9 @@ def test_nothing_is_read_within_64_bytes_of_the_end_of_the_text():
         ("fast_packets", lambda room: (*begun(room), SLOTS, STREAMS, 0, b"", numbers(3), *PLENTY)),
         ("fast_packets", lambda room: (*begun(room), SLOTS, STREAMS, 8192, b"", numbers(4), *PLENTY)),
         ("fast_packets", lambda room: (*begun(room), SLOTS, STREAMS, 0, b"", numbers(4), *PLENTY[1:], bytearray(1))),
-        ("values_by_kind", lambda room: (bytes(8), np.zeros(1, np.uint16), numbers(1) + 1, *(numbers(1),) * 5)),
-        ("values_by_kind", lambda room: (bytes(8), np.zeros(1, np.uint16), numbers(1) - 1, *(numbers(1),) * 5)),
-        ("values_by_kind", lambda room: (bytes(8), np.zeros(2, np.uint16), *(numbers(1),) * 6)),
+        ("values_by_kind", lambda room: (bytes(8), np.zeros(1, np.uint16), numbers(1) + 1, *each(5))),
+        ("values_by_kind", lambda room: (bytes(8), np.zeros(1, np.uint16), numbers(1) - 1, *each(5))),
+        ("values_by_kind", lambda room: (bytes(8), np.zeros(2, np.uint16), *each(6))),
         ("cut_payloads", lambda room: (bytes(8), numbers(1), numbers(1) + 9, bytearray(8), 8)),
         ("cut_payloads", lambda room: (bytes(8), numbers(1) - 1, numbers(1) + 1, bytearray(8), 8)),
         ("gather", lambda room: (bytes(8), numbers(1) + 7, bytearray(8), 2)),
