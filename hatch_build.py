@@ -10,6 +10,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 ROOT = Path(__file__).parent
 MODULE = ROOT / "src" / "timonel" / "_native.abi3.so"
+# A product is rounded before it is added to, as in Python, on processors too that would do both at once.
 FLAGS = ("-O3", "-std=gnu11", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden")
 STABLE_ABI = "-DPy_LIMITED_API=0x030b0000"  # CPython 3.11 and all that follow
 

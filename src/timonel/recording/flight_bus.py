@@ -1,7 +1,7 @@
 """A message of `bus`, the topic of our own recordings with the frames: CDR of ROS 2's `SCHEMA`, a column a field.
 
-Columns of their own are three quarters as large when compressed as rows of all fields are, and are unpacked in two
-thirds of the time. Recordings from before had rows (`ROW`); the size of a message tells which it has.
+Compressed, columns take three quarters of the bytes that rows of all fields take, and three quarters of the time to
+unpack. Recordings from before had rows (`ROW`); the size of a message tells which it has.
 """
 
 import struct
