@@ -28,6 +28,7 @@ import pynmea2
 from nmea2000.decoder import NMEA2000Decoder
 from nmea2000.input_formats import N2KFormat
 
+from benchmarks.asammdf_peer import asammdf, six_to_columns
 from benchmarks.table import table
 from tests.recordings import ROOT, SHARED
 from timonel.core.effects import Say
@@ -55,7 +56,7 @@ PCAP = np.dtype(
 )
 
 
-BUS, SENTENCES = "nmea2000, a line", "pynmea2, a line"
+BUS, SENTENCES, DBC = "nmea2000, a line", "pynmea2, a line", "asammdf, a frame of six PGNs in MF4"
 THERE = {BUS: 6.594, SENTENCES: 3.343}
 """What the other packages took where the goals were set, us."""
 
@@ -211,6 +212,8 @@ def works(folder: Path) -> Iterator[Work]:
     yield Work("our recording to columns of all PGNs", count, lambda: from_file(flight), BUS, 14)
     yield Work("frames in memory to columns of all PGNs", count, lambda: decoded(frames), BUS, 14)
     yield Work("frames scanned for six PGNs, to columns", count, lambda: decoded(frames, SIX), BUS, 50)
+    six = concatenate(open_frames(folder / "six.candump"))
+    yield Work("frames of six PGNs in memory to columns", len(six), lambda: decoded(six), DBC if asammdf else "")
     yield Work("candump text to frames", count, lambda: sum(map(len, open_frames(candump))))
     yield Work("pcap to frames", count, lambda: sum(map(len, open_frames(pcap))))
     yield Work("our recording to frames", count, lambda: sum(map(len, open_frames(flight))))
@@ -223,6 +226,8 @@ def works(folder: Path) -> Iterator[Work]:
     yield Work("the same, line by line", len(single), lambda: line_by_line(single), BUS)
     yield Work("a recording to typed objects, all PGNs, a frame", count, lambda: objects(candump), BUS)
     yield Work("one frame of fast packets, to typed objects", len(stream), lambda: streamed(stream), BUS, 1)
+    if asammdf:
+        yield Work(DBC, len(six), six_to_columns(six, folder))
     yield Work(BUS, BESIDE, lambda: nmea2000(lines[:BESIDE]))
     yield Work(SENTENCES, BESIDE, lambda: pynmea2_all(spoken[:BESIDE]))
 
