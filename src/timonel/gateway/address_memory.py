@@ -7,6 +7,7 @@ machine is made: what a machine is made from, and a recording holds, is all ther
 import asyncio
 import logging
 import os
+import threading
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -65,6 +66,7 @@ class Memory:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._kept = _read(path)
+        self._writing = threading.Lock()
 
     def frames_received(self, frames: Sequence[Frame], now: float) -> None:
         """Not kept."""
@@ -85,7 +87,12 @@ class Memory:
         if what == self._kept:
             return
         self._kept = what
-        asyncio.get_running_loop().run_in_executor(None, _write, self._path, what)
+        asyncio.get_running_loop().run_in_executor(None, self._write)
+
+    def _write(self) -> None:
+        """One after the other, and always the newest: two claims may follow each other at once."""
+        with self._writing:
+            _write(self._path, self._kept)
 
 
 def _path(node: NodeSettings) -> Path:

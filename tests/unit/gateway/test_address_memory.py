@@ -2,6 +2,8 @@
 
 import asyncio
 import logging
+import os
+import time
 from pathlib import Path
 
 import msgspec
@@ -54,6 +56,23 @@ def test_the_address_and_the_instances_that_were_claimed_come_first_the_next_tim
     assert vehicle == BoatSettings(address=41, node=msgspec.structs.replace(NODE, device_instance=2, system_instance=3))
     assert vehicle.node is not None
     assert vehicle.node.name == name
+
+
+def test_of_two_addresses_claimed_at_once_the_last_is_kept_however_slow_the_card_is(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    replace, pauses = os.replace, [0.1, 0.0]
+
+    def slow(new: Path, path: Path) -> None:
+        time.sleep(pauses.pop(0))
+        replace(new, path)
+
+    monkeypatch.setattr("timonel.gateway.address_memory.os.replace", slow)
+    happen(AddressClaimed(40, NODE.name), AddressClaimed(41, NODE.name))
+    vehicle = remembered(CONFIGURED).vehicle
+    assert isinstance(vehicle, BoatSettings)
+    assert vehicle.address == 41
+    assert caplog.messages == []
 
 
 def test_what_an_installer_wrote_is_kept() -> None:
