@@ -446,7 +446,8 @@ PyObject *cut_payloads(PyObject *module, PyObject *arguments)
             break;
         }
         const u8 *from = payloads + offset[each];
-        if (!copy_words(cells, room, from, views[0].len - offset[each], size[each])) /* of the next row it writes what that overwrites */
+        /* What it writes of the next row, that row overwrites. */
+        if (!copy_words(cells, room, from, views[0].len - offset[each], size[each]))
             memcpy(cells, from, (size_t)size[each]);
         memset(cells + size[each], 0, (size_t)(width - size[each]));
     }

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from timonel import native
 from timonel.recording import flight
-from timonel.recording.flight_bus import ROWS_AT, SENT, layout
+from timonel.recording.flight_bus import PACKED, ROWS_AT, SENT, layout
 from timonel.recording.frames import Gatherer, fill
 from timonel.recording.mcap import Mcap
 
@@ -16,7 +16,6 @@ _ROW = np.dtype(
      ("step", "<u4")]
 )  # fmt: skip
 _HEAD = flight.MESSAGE_HEAD
-_FEWEST = 17  # bytes that a frame takes
 _LATEST = 1 << 62  # ns
 
 Array = npt.NDArray[np.generic]
@@ -56,7 +55,7 @@ class FastMcap(Mcap):
         return self._read_many(data, place)
 
     def _with_kernel(self, data: bytes, place: int) -> int:
-        room = self._gathered.room((len(data) - place) // _FEWEST)
+        room = self._gathered.room((len(data) - place) // PACKED.size)
         assert native.kernels is not None
         bus = self._bus_channel
         count, place = native.kernels.recorded_frames(data, place, bus, _LATEST, room.rows, room.stamp)

@@ -5,6 +5,7 @@ unpack. Recordings from before had rows (`ROW`); the size of a message tells whi
 """
 
 import struct
+from collections.abc import Iterator
 from itertools import accumulate
 from typing import NamedTuple
 
@@ -88,51 +89,46 @@ def layout(message: bytes) -> Layout | None:
 
 
 def frames_of(message: bytes, step: int) -> list[BusFrame]:
-    """The frames of a message, which began in `step`; none if it is not made of frames."""
+    """The frames of a message, which began in `step`; none if it is not made of frames.
+
+    Runs once a frame: written for speed.
+    """
     found = layout(message)
     if found is None:
         return []
-    return _in_columns(message, found, step) if found.columns else _in_rows(message)
+    frames: list[BusFrame] = []
+    cells = _columns(message, found, step) if found.columns else _rows(message)
+    for number, length, flags, content, elapsed, own_step in cells:
+        if flags & CONTINUED and frames:
+            frames[-1] = frames[-1]._replace(data=frames[-1].data + content[:length])
+            continue
+        extended, sent = bool(number & EXTENDED), bool(flags & SENT)
+        frames.append(BusFrame(number & ~EXTENDED, content[:length], extended, sent, elapsed, own_step & 0xFFFFFFFF))
+    return frames
+
+
+_Cells = tuple[int, int, int, bytes, int, int]
+"""Of a frame: identifier, length, flags, eight bytes of data, microseconds since the message's time, and the step."""
+
+
+def _columns(message: bytes, found: Layout, step: int) -> Iterator[_Cells]:
+    count, (identifier, data, since, steps, length, flags) = found
+    return zip(
+        struct.unpack_from(f"<{count}I", message, identifier),
+        message[length : length + count],
+        message[flags : flags + count],
+        (message[at : at + 8] for at in range(data, data + 8 * count, 8)),
+        accumulate(struct.unpack_from(f"<{count}H", message, since)),
+        (step + later for later in accumulate(message[steps : steps + count])),
+        strict=True,
+    )
+
+
+def _rows(message: bytes) -> Iterator[_Cells]:
+    for number, length, flags, _, content, elapsed, step in ROW.iter_unpack(message[ROWS_AT:]):
+        yield number, length, flags, content, elapsed, step
 
 
 def _numbers(column: int, count: int) -> int:
     """How many numbers the column of so many frames has."""
     return count * _WIDTHS[_DATA] if column == _DATA else count
-
-
-# Both run once a frame: written for speed.
-
-
-def _in_columns(message: bytes, found: Layout, step: int) -> list[BusFrame]:
-    frames: list[BusFrame] = []
-    count, (identifiers, data_at, since, steps, lengths, flags_at) = found
-    elapsed = accumulate(struct.unpack_from(f"<{count}H", message, since))
-    each = zip(
-        struct.unpack_from(f"<{count}I", message, identifiers),
-        range(data_at, data_at + 8 * count, 8),
-        elapsed,
-        accumulate(message[steps : steps + count]),
-        message[lengths : lengths + count],
-        message[flags_at : flags_at + count],
-        strict=True,
-    )
-    for identifier, at, late, later, length, flags in each:
-        data = message[at : at + min(length, 8)]
-        if flags & CONTINUED and frames:
-            frames[-1] = frames[-1]._replace(data=frames[-1].data + data)
-            continue
-        extended = identifier >= EXTENDED
-        sent = bool(flags & SENT)
-        frames.append(BusFrame(identifier & ~EXTENDED, data, extended, sent, late, step + later & 0xFFFFFFFF))
-    return frames
-
-
-def _in_rows(message: bytes) -> list[BusFrame]:
-    frames: list[BusFrame] = []
-    for number, length, flags, _, content, elapsed, step in ROW.iter_unpack(message[ROWS_AT:]):
-        if flags & CONTINUED and frames:
-            frames[-1] = frames[-1]._replace(data=frames[-1].data + content[:length])
-        else:
-            extended = bool(number & EXTENDED)
-            frames.append(BusFrame(number & ~EXTENDED, content[:length], extended, bool(flags & SENT), elapsed, step))
-    return frames
